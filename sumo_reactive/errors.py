@@ -1,0 +1,29 @@
+"""The error family: what a user did, what SUMO did, and what a value may not be."""
+
+
+class ReactiveError(Exception):
+    """Base of every error this package raises on purpose; its text is one line naming file and place."""
+
+    exit_code = 2
+
+
+class InputError(ReactiveError):
+    """A file, an option or an ego that cannot be used (exit code 2)."""
+
+
+class NetworkError(InputError):
+    """A network file that cannot be read or lacks what driving needs, such as internal lanes."""
+
+
+class ScenarioError(InputError):
+    """A scenario that cannot be run as asked: unknown ego, unknown key, impossible step length."""
+
+
+class PlanError(InputError):
+    """A route that no lane sequence connects."""
+
+
+class SimulationError(ReactiveError):
+    """SUMO failed while the simulation ran (exit code 3)."""
+
+    exit_code = 3

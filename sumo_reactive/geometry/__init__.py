@@ -1,0 +1,1 @@
+"""Angles, polylines, curves, footprints, distance fields: geometry that knows no traffic."""

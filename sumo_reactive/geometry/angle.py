@@ -1,0 +1,8 @@
+"""Angles in radians, counter-clockwise from the x axis."""
+
+import math
+
+
+def wrapped(angle: float) -> float:
+    """Return `angle` (rad) in (-π, π]."""
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)

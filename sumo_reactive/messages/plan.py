@@ -1,0 +1,89 @@
+"""The nominal plan P and the completed plan P⁺ (F&L 1991, §1.3).
+
+Every arc length `s` is measured along the curve C from its first sample, in m, and says where a point of the road lies;
+the front axle follows C, the front bumper is ahead of it by the front overhang.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.geometry.curve import Curve
+from sumo_reactive.world.route import ScheduledStop
+
+
+@dataclass(frozen=True, slots=True)
+class TimeConstraint:
+    """Reach arc length `s` at `time` (s of simulation time)."""
+
+    s: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class LaneSegment:
+    """C follows lane `lane_id` (normal or internal) from `start` to `end`; `lane_offset` is the spine arc length there.
+
+    A point of the lane at spine arc length p lies at s = start + (p − lane_offset).
+    """
+
+    lane_id: str
+    start: float
+    end: float
+    lane_offset: float
+    route_index: int
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """C passes a junction by connection `connection_id`: stop line at `start`, the connection's end at `end`."""
+
+    connection_id: str
+    junction_id: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class LaneChange:
+    """A change from lane to lane that the route needs.
+
+    `side` is +1 to the left, −1 to the right. It may begin at once (`opens`) and must have begun by `start`, where C makes
+    it, ending at `end`; `end` is also the latest place that still has the old lane beside it.
+    """
+
+    from_lane: str
+    to_lane: str
+    side: int
+    opens: float
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStop:
+    """A scheduled halt on C: the front bumper at `s`."""
+
+    s: float
+    stop: ScheduledStop
+
+
+@dataclass(frozen=True, eq=False)
+class NominalPlan:
+    """P = (C, {(l, t_l)}) with what the map says along C.
+
+    `speed_limits` (n,) is the envelope of lane limits, curvature and deceleration at each sample of C, m/s. `goal` is the
+    arc length where the front bumper has arrived, or None when the plan ends before the route does.
+    """
+
+    curve: Curve
+    segments: tuple[LaneSegment, ...]
+    passages: tuple[Passage, ...]
+    lane_changes: tuple[LaneChange, ...]
+    stops: tuple[PlannedStop, ...]
+    speed_limits: NDArray[np.float64]
+    time_constraints: tuple[TimeConstraint, ...]
+    goal: float | None

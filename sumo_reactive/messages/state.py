@@ -1,0 +1,35 @@
+"""The ego's pose, state and command."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Configuration q of M (F&L 1991, §3.1): rear-axle midpoint (m) and heading (rad, counter-clockwise from x)."""
+
+    x: float
+    y: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleState:
+    """Pose of the rear axle, `speed` (m/s) and `steering_angle` (rad) of the velocity at the front axle.
+
+    `acceleration` (m/s²) is the one last commanded; it lets the executor bound the jerk.
+    """
+
+    pose: Pose
+    speed: float
+    steering_angle: float
+    acceleration: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Motion command (v̇, φ̇): m/s² and rad/s."""
+
+    acceleration: float
+    steering_rate: float

@@ -1,0 +1,1 @@
+"""The vehicle: kinematic model and limits (F&L 1991, §3.1)."""

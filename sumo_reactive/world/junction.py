@@ -1,0 +1,78 @@
+"""Junctions and the connections that lead through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from sumo_reactive.geometry.polyline import Points, Polyline
+from sumo_reactive.world.right_of_way import RightOfWay
+
+
+class Turn(Enum):
+    """Direction of a connection."""
+
+    STRAIGHT = "straight"
+    LEFT = "left"
+    RIGHT = "right"
+    AROUND = "around"
+
+
+class Control(Enum):
+    """How a connection is regulated when no light speaks."""
+
+    MAJOR = "major"
+    MINOR = "minor"
+    EQUAL = "equal"  # right before left
+    STOP = "stop"
+    ALL_WAY_STOP = "all-way stop"
+    ZIPPER = "zipper"
+    LIGHT = "light"
+    OFF = "light off"
+    DEAD_END = "dead end"
+
+
+@dataclass(frozen=True)
+class LightLink:
+    """The signal that a connection obeys: a traffic light's id and the index of its letter."""
+
+    light_id: str
+    index: int
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """A way from one lane to another through a junction.
+
+    `index` is its row in the junction's `RightOfWay` (-1: none). `parts` are the internal lanes in driving order (two or
+    more for a turn that may wait inside), `path` their joined centre line; arc length on it starts at the stop line.
+    `wait_at` is the arc length of the place inside the junction where a turn may wait, or None. `width` is the narrowest
+    internal lane's, m.
+    """
+
+    id: str
+    junction_id: str
+    index: int
+    from_lane: str
+    to_lane: str
+    parts: tuple[str, ...]
+    path: Polyline
+    turn: Turn
+    control: Control
+    light: LightLink | None = None
+    wait_at: float | None = None
+    keep_clear: bool = True
+    is_crossing: bool = False
+    width: float = 3.2
+    speed_limit: float = 13.89
+
+
+@dataclass(frozen=True, eq=False)
+class Junction:
+    """A junction: its kind as SUMO's network names it, outline (n, 2), connections in order of their index."""
+
+    id: str
+    kind: str
+    outline: Points
+    connections: tuple[Connection, ...]
+    right_of_way: RightOfWay

@@ -1,0 +1,42 @@
+"""Lanes: the regions of W that have a spine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sumo_reactive.geometry.polyline import Polyline
+
+
+@dataclass(frozen=True, eq=False)
+class Lane:
+    """One lane of an edge, or one internal lane of a junction.
+
+    `spine` is the centre line in m. `length` (m) is the length that positions on the lane refer to; a network may state
+    one that differs from the spine's, so positions are scaled by `scale`. `index` counts from the outer edge of the road
+    (right in right-hand traffic). `allowed` holds vehicle classes.
+    """
+
+    id: str
+    edge_id: str
+    index: int
+    spine: Polyline
+    length: float
+    width: float
+    speed_limit: float
+    allowed: frozenset[str]
+    is_internal: bool = False
+    change_left: bool = True
+    change_right: bool = True
+
+    def __post_init__(self) -> None:
+        if self.width <= 0.0 or self.length <= 0.0 or self.speed_limit < 0.0:
+            raise ValueError(f"lane {self.id}: width and length must be positive, speed not negative")
+
+    @property
+    def scale(self) -> float:
+        """Spine metres per position metre."""
+        return self.spine.length / self.length
+
+    def allows(self, vehicle_class: str) -> bool:
+        """Whether vehicles of the class may drive here."""
+        return vehicle_class in self.allowed
