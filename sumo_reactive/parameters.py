@@ -19,6 +19,51 @@ MIN_LANE_CHANGE_LENGTH_M = 12.0
 PLAN_HORIZON_M = 2000.0
 """C is planned this far ahead and prolonged before it runs out."""
 
+LANE_CHANGE_ROOM_M = 40.0
+"""Room that one lane change should find on an edge; a change with less costs more, so that the plan makes it earlier."""
+
+LATE_LANE_CHANGE_LENGTH_M = 18.0
+"""Length of the latest possible change on C: 1.5 times the minimum, for a car that has already slowed down."""
+
+LANE_CHANGE_CLEARANCE_M = 2.0
+"""A change ends this far before its lane does, so that the car stands straight at the stop line."""
+
+MIN_START_BLEND_M = 8.0
+"""Shortest transition from the car's pose to the lane's centre: about two car radii."""
+
+MAX_START_BLEND_M = 120.0
+"""Longest transition from the car's pose: a lane change at 40 m/s."""
+
+START_CURVATURE_SHARE = 0.6
+"""Share of the car's curvature that the transition to the centre line may use; the road's own bend needs the rest."""
+
+SMOOTHING_LENGTH_M = 1.6
+"""Length over which a kink of the centre line is rounded at first; a 4.4 m turn then keeps within 0.15 m of its lane."""
+
+SMOOTHING_GROWTH = 1.35
+"""Growth of the smoothing length per pass where C is still too tight; one pass adds some 35 % of deviation."""
+
+SMOOTHING_REACH_M = 5.0
+"""A place that is too tight loosens C this far on both sides: half of a car's turn."""
+
+SMOOTHING_PASSES = 9
+"""Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that COMFORT_DEVIATION_M holds C."""
+
+COMFORT_DEVIATION_M = 0.25
+"""C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
+
+TURN_REACH_M = 14.0
+"""A turn too tight to steer is refitted this far on both sides: room to swing out and come back."""
+
+CURVATURE_MARGIN = 0.95
+"""Share of the car's curvature that C aims at; the executor needs the rest to correct errors."""
+
+CURVE_RUNOUT_M = 10.0
+"""C goes on straight this far behind the goal, so that points ahead of the car always exist."""
+
+CURVATURE_WINDOW_M = 2.0
+"""Curvature is averaged over this length before it sets a speed: single samples do not brake a car."""
+
 # --- vehicle ---------------------------------------------------------------------------------------------------------
 WHEELBASE_FRACTION = 0.6
 """Wheelbase / length; passenger cars range from 0.57 to 0.64."""
@@ -34,3 +79,92 @@ MAX_STEERING_RATE = 1.0
 
 COMFORT_DECELERATION = 2.5
 """m/s², planned braking."""
+
+COMFORT_JERK = 8.0
+"""m/s³; the fine grid changes the acceleration by no more, unless safety needs it."""
+
+MAX_ACCELERATION_IN_PLAN = 2.0
+"""m/s²; what the pilot counts on when it foresees its own motion (SUMO's default passenger car does 2.6)."""
+
+# --- executor --------------------------------------------------------------------------------------------------------
+LOOK_AHEAD_S = 0.35
+"""U₁ is taken where the front axle will be this long after the control period, the steering held."""
+
+LOOK_AHEAD_GROWTH = 0.02
+"""s per m/s; the look-ahead grows with speed so that fast driving steers gently."""
+
+MIN_LOOK_AHEAD_M = 1.5
+"""…but at least this far ahead, so that a standing car knows where to steer."""
+
+VALLEY_ATTRACTION = 1.0
+"""α of U₁, 1/m (F&L 1991, §3.3.1)."""
+
+VALLEY_REPULSION = 0.5
+"""β of U₁ (F&L 1991, §3.3.1)."""
+
+SHADOW_SCALE = 1.0
+"""k₀ of U₂, s (F&L 1991, §3.3.2)."""
+
+SHADOW_HORIZON_M = 40.0
+"""Obstacles farther away cast no potential."""
+
+COLLISION_HORIZON_S = 0.7
+"""Predicted footprints are tested this far; beyond, the others' headings no longer hold and the regions decide."""
+
+COLLISION_STEP_S = 0.1
+"""Time between tested footprints."""
+
+CONTROL_PERIOD_S = 0.1
+"""Longest control period δt of the default profile; a coarser simulation step is sub-stepped."""
+
+PAPER_CONTROL_PERIOD_S = 0.5
+"""δt of the paper (F&L 1991, §4)."""
+
+SPEED_APPROACH_S = 0.6
+"""Time constant with which the ego approaches a speed limit from below."""
+
+TIME_HEADWAY_S = 1.0
+"""Default τ behind a leader when the vehicle type states none."""
+
+STANDSTILL_GAP_M = 2.0
+"""Gap to a standing leader."""
+
+SAFE_GAP_M = 0.5
+"""Gap that must remain when ego and leader have both braked as hard as they can."""
+
+STOP_LINE_MARGIN_M = 0.7
+"""Planned distance of the front bumper to a line."""
+
+HARD_STOP_MARGIN_M = 0.15
+"""Distance to a line that no admissible command gives up."""
+
+PAPER_LATERAL_JERK = 3.0
+"""m/s³; bounds φ̇max of the nine commands at road speed."""
+
+STEERING_GAIN = 2.0
+"""1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""
+
+# --- world model -----------------------------------------------------------------------------------------------------
+SWEPT_WIDTH_M = 2.2
+"""Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
+
+MIN_REGION_AREA_M2 = 0.01
+"""Smaller overlaps of paths that the network itself calls conflicting come from rounding (coordinates hold 1 cm)."""
+
+UNDECLARED_REGION_AREA_M2 = 0.5
+"""Overlap that makes a conflict region of paths that the network calls free of conflict: two corners 0.7 m deep."""
+
+SEPARATE_LEVELS_M = 3.0
+"""Difference in height of paths that pass over each other; a car and its clearance need about this."""
+
+REGION_STEP_M = 0.25
+"""Spacing of the points of a region's outline that are projected on the paths."""
+
+APPROACH_HORIZON_M = 200.0
+"""Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
+
+OPPOSITE_SLACK_M = 1.0
+"""Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
+
+MIN_PATH_LENGTH_M = 0.1
+"""Shortest spine or path; networks hold shapes of two equal points."""

@@ -27,7 +27,8 @@ class TimeConstraint:
 class LaneSegment:
     """C follows lane `lane_id` (normal or internal) from `start` to `end`; `lane_offset` is the spine arc length there.
 
-    A point of the lane at spine arc length p lies at s = start + (p − lane_offset).
+    A point of the lane at spine arc length p lies at s = start + (p − lane_offset) · stretch; `stretch` (metres of C per
+    metre of spine) differs from 1 where C cuts or rounds a corner.
     """
 
     lane_id: str
@@ -35,11 +36,15 @@ class LaneSegment:
     end: float
     lane_offset: float
     route_index: int
+    stretch: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """C passes a junction by connection `connection_id`: stop line at `start`, the connection's end at `end`."""
+    """C passes a junction by connection `connection_id`: stop line at `start`, the connection's end at `end`.
+
+    `start` is negative when C begins inside the junction.
+    """
 
     connection_id: str
     junction_id: str
@@ -52,7 +57,7 @@ class LaneChange:
     """A change from lane to lane that the route needs.
 
     `side` is +1 to the left, −1 to the right. It may begin at once (`opens`) and must have begun by `start`, where C makes
-    it, ending at `end`; `end` is also the latest place that still has the old lane beside it.
+    it, ending at `end`, shortly before the old lane does.
     """
 
     from_lane: str

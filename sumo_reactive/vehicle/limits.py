@@ -12,6 +12,7 @@ class VehicleLimits:
 
     `comfort_deceleration` is what planned braking uses, `service_deceleration` what the vehicle type states as its own,
     `emergency_deceleration` its physical limit. `front_overhang` is from the front axle to the front bumper.
+    `time_headway` (s) and `standstill_gap` (m) are what the driver keeps to a leader.
     """
 
     length: float
@@ -27,6 +28,8 @@ class VehicleLimits:
     max_steering_rate: float
     max_lateral_acceleration: float
     comfort_lateral_acceleration: float
+    time_headway: float = 1.0
+    standstill_gap: float = 2.0
 
     def __post_init__(self) -> None:
         positive = {k: v for k, v in vars(self).items() if k != "front_overhang"}

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sumo_reactive.geometry.polyline import Points, Polyline
 from sumo_reactive.world.right_of_way import RightOfWay
 
@@ -47,7 +50,8 @@ class Connection:
     `index` is its row in the junction's `RightOfWay` (-1: none). `parts` are the internal lanes in driving order (two or
     more for a turn that may wait inside), `path` their joined centre line; arc length on it starts at the stop line.
     `wait_at` is the arc length of the place inside the junction where a turn may wait, or None. `width` is the narrowest
-    internal lane's, m.
+    internal lane's, m. `heights` (n,) are the elevations of the path's points, m; None in a flat network. A pedestrian
+    crossing (`is_crossing`) joins two walking areas and is used both ways.
     """
 
     id: str
@@ -65,6 +69,7 @@ class Connection:
     is_crossing: bool = False
     width: float = 3.2
     speed_limit: float = 13.89
+    heights: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, eq=False)

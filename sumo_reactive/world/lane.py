@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from sumo_reactive.geometry.polyline import Polyline
+from sumo_reactive.world.vehicle_class import VEHICLE_CLASSES
 
 
 @dataclass(frozen=True, eq=False)
@@ -13,7 +14,8 @@ class Lane:
 
     `spine` is the centre line in m. `length` (m) is the length that positions on the lane refer to; a network may state
     one that differs from the spine's, so positions are scaled by `scale`. `index` counts from the outer edge of the road
-    (right in right-hand traffic). `allowed` holds vehicle classes.
+    (right in right-hand traffic, left in left-hand traffic). `allowed` holds the vehicle classes that may drive here,
+    `change_left` and `change_right` those that may leave the lane to that side, as the driver sees it.
     """
 
     id: str
@@ -25,8 +27,8 @@ class Lane:
     speed_limit: float
     allowed: frozenset[str]
     is_internal: bool = False
-    change_left: bool = True
-    change_right: bool = True
+    change_left: frozenset[str] = VEHICLE_CLASSES
+    change_right: frozenset[str] = VEHICLE_CLASSES
 
     def __post_init__(self) -> None:
         if self.width <= 0.0 or self.length <= 0.0 or self.speed_limit < 0.0:
@@ -40,3 +42,11 @@ class Lane:
     def allows(self, vehicle_class: str) -> bool:
         """Whether vehicles of the class may drive here."""
         return vehicle_class in self.allowed
+
+    def allows_change_left(self, vehicle_class: str) -> bool:
+        """Whether vehicles of the class may leave this lane to the left."""
+        return vehicle_class in self.change_left
+
+    def allows_change_right(self, vehicle_class: str) -> bool:
+        """Whether vehicles of the class may leave this lane to the right."""
+        return vehicle_class in self.change_right

@@ -33,10 +33,17 @@ class PostConflictRegion:
     """The room behind a conflict region that a vehicle needs so as not to stop inside it (F&L 1991, §2).
 
     It starts on the own path at `start` (arc length from the stop line, m; it may lie on the lane behind the junction).
+    `region_id` names the conflict region before it.
     """
 
     connection_id: str
     start: float
+    region_id: str = ""
+
+    @property
+    def id(self) -> str:
+        """Name of this node of the graph."""
+        return f"{self.region_id or self.connection_id}+post"
 
 
 @dataclass(frozen=True, eq=False)

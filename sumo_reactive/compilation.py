@@ -1,0 +1,53 @@
+"""Compiled kernels: one decorator, and a disk cache that a changed source can never leave stale.
+
+Numba notices a change in the file of a cached function, not in the functions that it calls from other files. The cache
+therefore lies in a folder named after the contents of all sources that hold kernels.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar, cast
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+_KERNEL_ROOMS = ("vehicle", "executor", "perception", "geometry")
+
+
+def _cache_folder() -> Path:
+    package = Path(__file__).parent
+    digest = hashlib.sha256(numba.__version__.encode())
+    for room in _KERNEL_ROOMS:
+        for source in sorted((package / room).glob("*.py")):
+            digest.update(source.read_bytes())
+    base = os.environ.get("XDG_CACHE_HOME")
+    root = Path(base) if base else Path.home() / ".cache"
+    if not os.access(root if root.exists() else root.parent, os.W_OK):
+        root = Path(tempfile.gettempdir())
+    return root / "sumo_reactive" / digest.hexdigest()[:16]
+
+
+CACHE_FOLDER = _cache_folder()
+numba.config.CACHE_DIR = str(CACHE_FOLDER)
+
+
+def is_cached() -> bool:
+    """Whether kernels of exactly these sources were compiled on this machine before."""
+    return (CACHE_FOLDER / "complete").exists()
+
+
+def mark_cached() -> None:
+    """Note that every kernel has been compiled once."""
+    if CACHE_FOLDER.exists():
+        (CACHE_FOLDER / "complete").touch()
+
+
+def kernel(function: Function) -> Function:
+    """Compile `function` to machine code on first call, cached on disk."""
+    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))

@@ -1,0 +1,62 @@
+"""The exact collision test, separate from U (F&L 1991, §3.2 and §3.3.1)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.compilation import kernel
+from sumo_reactive.vehicle.bicycle import advance_pose
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def boxes_overlap(
+    ax: float, ay: float, ah: float, al: float, aw: float, bx: float, by: float, bh: float, bl: float, bw: float
+) -> bool:
+    """Whether two boxes (centre x, y, heading, length, width) overlap: separating axes, exact."""
+    dx, dy = bx - ax, by - ay
+    reach = 0.5 * (math.hypot(al, aw) + math.hypot(bl, bw))
+    if dx * dx + dy * dy > reach * reach:
+        return False
+    ca, sa, cb, sb = math.cos(ah), math.sin(ah), math.cos(bh), math.sin(bh)
+    c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)
+    if abs(dx * ca + dy * sa) >= 0.5 * (al + bl * c + bw * s):
+        return False
+    if abs(dy * ca - dx * sa) >= 0.5 * (aw + bl * s + bw * c):
+        return False
+    if abs(dx * cb + dy * sb) >= 0.5 * (bl + al * c + aw * s):
+        return False
+    return abs(dy * cb - dx * sb) < 0.5 * (bw + al * s + aw * c)
+
+
+@kernel
+def braking_collides(
+    x: float, y: float, heading: float, speed: float, steering_angle: float, wheelbase: float, axle_to_front: float,
+    length: float, width: float, deceleration: float, boxes: Array, start: float, horizon: float, step: float,
+) -> bool:  # fmt: skip
+    """Whether the ego, braking along its arc from `start` s ahead, touches a predicted footprint within `horizon` s.
+
+    The others keep speed and heading. A footprint that is behind the ego's front half, or that the ego touches only
+    while it stands, is the other's business. `boxes` (n, 6): front x, y, heading, speed, length, width.
+    """
+    t, v = start, speed
+    px, py, ph = x, y, heading
+    while t <= horizon and v > 0.0:
+        back = axle_to_front - 0.5 * length
+        cx, cy = px + back * math.cos(ph), py + back * math.sin(ph)
+        for k in range(len(boxes)):
+            bh, bv = boxes[k, 2], boxes[k, 3]
+            cos_b, sin_b = math.cos(bh), math.sin(bh)
+            reach = bv * t - 0.5 * boxes[k, 4]
+            bx, by = boxes[k, 0] + reach * cos_b, boxes[k, 1] + reach * sin_b
+            ahead = (bx - cx) * math.cos(ph) + (by - cy) * math.sin(ph)
+            if ahead > 0.0 and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]):
+                return True
+        px, py, ph = advance_pose(px, py, ph, v, steering_angle, wheelbase, step)
+        v = max(0.0, v - deceleration * step)
+        t += step
+    return False

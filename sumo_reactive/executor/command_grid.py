@@ -1,0 +1,59 @@
+"""The discretised command space K (F&L 1991, §3.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.parameters import COMFORT_JERK, PAPER_LATERAL_JERK
+from sumo_reactive.vehicle.limits import VehicleLimits
+
+Array = NDArray[np.float64]
+
+_STEERING_LEVELS = np.array([-1.0, -0.42, -0.125, -0.016, 0.0, 0.016, 0.125, 0.42, 1.0])
+"""Cubically spaced levels: fine about straight on, where high speed needs it, full at the ends."""
+
+_JERK_LEVELS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+"""Levels within the comfortable change of acceleration."""
+
+
+@dataclass(frozen=True, eq=False)
+class CommandGrid:
+    """Accelerations (a,) in m/s² and steering rates (w,) in rad/s; the command space is their product."""
+
+    accelerations: Array
+    steering_rates: Array
+
+
+def paper_grid(limits: VehicleLimits, speed: float) -> CommandGrid:
+    """The nine commands of the paper: {−v̇max, 0, +v̇max} × {−φ̇max, 0, +φ̇max} (F&L 1991, §3.2).
+
+    Reading: φ̇max falls with the square of the speed so that one command cannot use up the centrifugal limit; with a
+    constant φ̇max and δt = 0.5 s a car at road speed could not steer at all.
+    """
+    lateral = PAPER_LATERAL_JERK * limits.wheelbase / max(speed, 1.0) ** 2
+    return CommandGrid(
+        np.array([-limits.service_deceleration, 0.0, limits.max_acceleration]),
+        min(limits.max_steering_rate, lateral) * np.array([-1.0, 0.0, 1.0]),
+    )
+
+
+def fine_grid(limits: VehicleLimits, acceleration: float, wanted: float, steering: float, period: float) -> CommandGrid:
+    """A 9 × 9 grid that is fine where the ego is and reaches everything it can do.
+
+    Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one as far as
+    that jerk allows, three brake ever harder. Steering rates lie around `steering`, the rate that C asks for.
+    """
+    change = COMFORT_JERK * period
+    near = acceleration + change * _JERK_LEVELS
+    best = min(max(wanted, acceleration - change), acceleration + change)
+    hard = (limits.service_deceleration, 0.5 * (limits.service_deceleration + limits.emergency_deceleration))
+    nodes = np.array([*near, best, -hard[0], -hard[1], -limits.emergency_deceleration])
+    rates = steering + limits.max_steering_rate * _STEERING_LEVELS
+    top = limits.max_steering_rate
+    return CommandGrid(
+        np.minimum(np.maximum(nodes, -limits.emergency_deceleration), limits.max_acceleration),
+        np.minimum(np.maximum(rates, -top), top),
+    )

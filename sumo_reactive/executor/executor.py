@@ -1,0 +1,167 @@
+"""One command from the potential field: expand the grid, discard, score, choose (F&L 1991, §3.2)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.executor.field import EMERGENCY, choose_command
+from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap
+from sumo_reactive.executor.velocity import cruise_speed, following_speed, stopping_speed
+from sumo_reactive.geometry.angle import wrapped
+from sumo_reactive.messages.completed_plan import CompletedPlan
+from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.messages.state import Command, VehicleState
+from sumo_reactive.parameters import (
+    HARD_STOP_MARGIN_M,
+    SAFE_GAP_M,
+    SHADOW_HORIZON_M,
+    SPEED_APPROACH_S,
+    STEERING_GAIN,
+    STOP_LINE_MARGIN_M,
+)
+from sumo_reactive.vehicle.bicycle import advance
+from sumo_reactive.vehicle.limits import VehicleLimits
+
+Array = NDArray[np.float64]
+
+
+class Potentials(NamedTuple):
+    """U and its three terms for the chosen command."""
+
+    total: float
+    valley: float
+    shadow: float
+    velocity: float
+
+
+class Execution(NamedTuple):
+    """The command for the next control period, the state it leads to, and feedback to the pilot.
+
+    `emergency`: no command left a way to stop clear, so the hardest brake along C was taken. `lateness`: how far behind
+    the next time constraint the ego is bound to be, s.
+    """
+
+    command: Command
+    state: VehicleState
+    desired_speed: float
+    potentials: Potentials
+    emergency: bool
+    lateness: float
+
+
+def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
+    """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave (m/s)."""
+    plan, speed = completed.plan, snapshot.ego.speed
+    sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
+    road = float(plan.speed_limits[min(max(sample, 0), len(plan.speed_limits) - 1)])
+    target = completed.target
+    in_time = cruise_speed(speed, target.s - snapshot.front, target.time - snapshot.time, road, limits.max_acceleration)
+    best = min(road, in_time)
+    if best > speed:
+        best = speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S)
+    if completed.stop is not None:
+        away = completed.stop.s - STOP_LINE_MARGIN_M - snapshot.front
+        best = min(best, stopping_speed(away, limits.comfort_deceleration, period))
+    for leader in completed.leaders:
+        gap = leader.s - snapshot.front - limits.standstill_gap
+        best = min(best, following_speed(gap, leader.speed, limits.comfort_deceleration, limits.time_headway))
+    return best
+
+
+def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, period: float) -> float:
+    """The steering rate (rad/s) that turns the front wheels' velocity along C, and back onto it, within one period."""
+    ego = snapshot.ego
+    ahead = snapshot.s + ego.speed * period
+    along = completed.plan.curve.at(ahead)[2] - ego.pose.heading
+    back = math.atan2(STEERING_GAIN * snapshot.d, ego.speed + 1.0)
+    return (wrapped(along - back) - ego.steering_angle) / period
+
+
+def room_to_brake(snapshot: Snapshot, completed: CompletedPlan) -> float:
+    """Way (m) within which the hardest braking must stop the front bumper: line, region, and braking leaders."""
+    room = math.inf
+    if completed.stop is not None:
+        room = completed.stop.s - HARD_STOP_MARGIN_M - snapshot.front
+    for leader in completed.leaders:
+        braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
+        room = min(room, leader.s - snapshot.front - SAFE_GAP_M + braking)
+    return room
+
+
+def execute(
+    snapshot: Snapshot,
+    completed: CompletedPlan,
+    limits: VehicleLimits,
+    period: float,
+    *,
+    nine_commands: bool = False,
+    valley: ValleyMap = NO_MAP,
+) -> Execution:
+    """Choose the admissible command that minimises U = w₁U₁ + w₂U₂ + w₃U₃ (F&L 1991, §3.2).
+
+    `nine_commands` takes the paper's command space instead of the fine grid, `valley` its bitmaps instead of exact
+    distances.
+    """
+    ego = snapshot.ego
+    wanted = desired_speed(snapshot, completed, limits, period)
+    if nine_commands:
+        grid = paper_grid(limits, ego.speed)
+    else:
+        steering = steering_rate_of_curve(snapshot, completed, period)
+        grid = fine_grid(limits, ego.acceleration, (wanted - ego.speed) / period, steering, period)
+    room = room_to_brake(snapshot, completed)
+    index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, wanted, valley)
+    command = Command(
+        float(grid.accelerations[index // len(grid.steering_rates)]),
+        float(grid.steering_rates[index % len(grid.steering_rates)]),
+    )
+    w = completed.weights
+    total = w.valley * terms[0] + w.shadow * terms[1] + w.velocity * terms[2]
+    late = _lateness(snapshot, completed, wanted)
+    state = advance(ego, command, limits.wheelbase, period)
+    return Execution(command, state, wanted, Potentials(total, *terms), verdict == EMERGENCY, late)
+
+
+def _choose(
+    snapshot: Snapshot,
+    completed: CompletedPlan,
+    grid: CommandGrid,
+    limits: VehicleLimits,
+    period: float,
+    room: float,
+    wanted: float,
+    valley: ValleyMap,
+) -> tuple[int, int, float, float, float]:
+    ego, curve, w = snapshot.ego, completed.plan.curve, completed.weights
+    p = ego.pose
+    state = np.array((p.x, p.y, p.heading, ego.speed, ego.steering_angle))
+    lateral = abs(ego.speed**2 * math.sin(ego.steering_angle) / limits.wheelbase)
+    bounds = np.array(
+        (
+            limits.wheelbase,
+            limits.front_to_rear_axle,
+            limits.length,
+            limits.width,
+            limits.max_speed,
+            max(limits.max_steering_angle, abs(ego.steering_angle)),
+            limits.max_lateral_acceleration,
+            limits.emergency_deceleration,
+            lateral,
+        )
+    )
+    boxes = snapshot.boxes
+    return choose_command(
+        state, grid.accelerations, grid.steering_rates, bounds, period, room, wanted,
+        np.array((w.valley, w.shadow, w.velocity)), curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, boxes, boxes,
+    )  # fmt: skip
+
+
+def _lateness(snapshot: Snapshot, completed: CompletedPlan, speed: float) -> float:
+    left = completed.target.s - snapshot.front
+    return max(0.0, snapshot.time + left / max(speed, 0.1) - completed.target.time) if left > 0.0 else 0.0

@@ -1,0 +1,131 @@
+"""The potential field over the command space: one compiled pass over all commands (F&L 1991, §3.2, §3.3)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.compilation import kernel
+from sumo_reactive.executor.collision import braking_collides
+from sumo_reactive.executor.shadow import corners_of, shadow_sum
+from sumo_reactive.executor.valley import project_on_curve, taxicab_to_points, valley_potential
+from sumo_reactive.executor.valley_map import map_potential
+from sumo_reactive.executor.velocity import velocity_potential
+from sumo_reactive.parameters import (
+    COLLISION_HORIZON_S,
+    COLLISION_STEP_S,
+    LOOK_AHEAD_GROWTH,
+    LOOK_AHEAD_S,
+    MIN_LOOK_AHEAD_M,
+    SHADOW_HORIZON_M,
+    SHADOW_SCALE,
+    VALLEY_ATTRACTION,
+    VALLEY_REPULSION,
+)
+from sumo_reactive.vehicle.bicycle import advance_pose
+
+Array = NDArray[np.float64]
+
+ADMISSIBLE, EMERGENCY = 0, 1
+_WINDOW_M = 2.0
+
+
+@kernel
+def valley_at(
+    x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array, bitmaps: Array, x0: float, y0: float, cell: float,
+) -> float:  # fmt: skip
+    """U₁ of a pose: from the bitmaps of its control points F and R, or from exact distances.
+
+    The exact form is the distance that F will have to C a look-ahead later if its velocity keeps its angle to C: zero
+    for a car that follows C, whatever the curvature, and free of the corner cutting of a fixed look-ahead point.
+    """
+    fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
+    if len(bitmaps) > 0:
+        return max(map_potential(bitmaps[0], fx, fy, x0, y0, cell), map_potential(bitmaps[1], x, y, x0, y0, cell))
+    at, d = project_on_curve(fx, fy, cx, cy, step, s + speed * period, _WINDOW_M)
+    i = min(max(int(at / step), 0), len(ch) - 2)
+    along = ch[i] + min(max(at / step - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
+    reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
+    distance = abs(d + reach * math.sin(heading + angle - along))
+    return valley_potential(distance, taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
+
+
+@kernel
+def expand(
+    state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float, out: Array
+) -> None:
+    """Fill `out` (a·w, 8) with x, y, heading, speed, angle, kinematically allowed, stops in time, index of v̇.
+
+    `state` (5): x, y, heading, speed, angle. `limits` (9): wheelbase, to front, length, width, top speed, φmax, lateral
+    limit, emergency deceleration, present lateral acceleration. `room`: way left to a stop, m.
+    """
+    k = 0
+    for i in range(len(accelerations)):
+        v = min(max(0.0, state[3] + accelerations[i] * period), max(limits[4], state[3]))
+        stops = v * period + v * v / (2.0 * limits[7]) <= room or v == 0.0
+        for j in range(len(rates)):
+            angle = state[4] + rates[j] * period
+            x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+            lateral = abs(v * v * math.sin(angle) / limits[0])
+            allowed = abs(angle) <= limits[5] + 1e-9 and lateral <= max(limits[6], limits[8])
+            out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = x, y, h, v, angle
+            out[k, 5], out[k, 6], out[k, 7] = 1.0 if allowed else 0.0, 1.0 if stops else 0.0, float(i)
+            k += 1
+
+
+@kernel
+def choose_command(
+    state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float,
+    wanted: float, weights: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, near: Array,
+) -> tuple[int, int, float, float, float]:  # fmt: skip
+    """Return (index, ADMISSIBLE or EMERGENCY, U₁, U₂, U₃) of the chosen command.
+
+    The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
+    touch no predicted footprint; when there is none, the hardest brake with the least U₁, the wheels held if none of
+    these keeps the limits. `boxes` (n, 6) cast U₂,
+    `near` (m, 6) are tested for contact.
+    """
+    n = len(accelerations) * len(rates)
+    next_states = np.empty((n, 8))
+    expand(state, accelerations, rates, limits, period, room, next_states)
+    corners = corners_of(boxes)
+    terms = np.empty((n, 3))
+    total = np.full(n, np.inf)
+    hardest = np.argmin(accelerations)
+    fallback, fallback_valley = -1, np.inf
+    for k in range(n):
+        q = next_states[k]
+        if q[5] == 0.0:
+            continue
+        terms[k, 0] = valley_at(
+            q[0], q[1], q[2], q[3], q[4], limits[0], period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+        )
+        if q[7] == hardest and terms[k, 0] < fallback_valley:
+            fallback, fallback_valley = k, terms[k, 0]
+        terms[k, 1] = 0.0
+        terms[k, 2] = velocity_potential(q[3], wanted)
+        if q[5] > 0.0 and q[6] > 0.0:
+            if weights[1] > 0.0 and len(boxes) > 0:
+                terms[k, 1] = shadow_sum(
+                    q[0], q[1], q[2], q[3], limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
+                )
+            total[k] = weights[0] * terms[k, 0] + weights[1] * terms[k, 1] + weights[2] * terms[k, 2]
+    while True:
+        best = np.argmin(total)
+        if total[best] == np.inf:
+            break
+        q = next_states[best]
+        if len(near) == 0 or not braking_collides(
+            q[0], q[1], q[2], q[3], q[4], limits[0], limits[1], limits[2], limits[3], limits[7], near, period,
+            COLLISION_HORIZON_S, COLLISION_STEP_S,
+        ):  # fmt: skip
+            return best, ADMISSIBLE, terms[best, 0], terms[best, 1], terms[best, 2]
+        total[best] = np.inf
+    if fallback < 0:
+        fallback = hardest * len(rates) + np.argmin(np.abs(rates))
+        terms[fallback] = 0.0
+    return fallback, EMERGENCY, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2]

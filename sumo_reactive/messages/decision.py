@@ -1,0 +1,68 @@
+"""What the pilot decides, each with its reason and its cause."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Behaviour(Enum):
+    """The behaviours of the paper (F&L 1991, §2)."""
+
+    NORMAL = "normal driving"
+    CAUTIOUS = "cautious driving"
+    STOPPING = "stopping at a location"
+    CROSSING = "crossing an intersection"
+
+
+class Reason(Enum):
+    """Why the ego may not go on, or goes on although something speaks against it."""
+
+    RED_LIGHT = "the light is red"
+    YELLOW_LIGHT = "the light is yellow and stopping is comfortable"
+    YELLOW_TOO_CLOSE = "the light is yellow and too close to stop"
+    STOP_SIGN = "a full stop is due at the line"
+    WAIT_FOR_TURN = "others stopped at the all-way stop before"
+    YIELD_TO = "traffic with priority would meet the ego in the region"
+    REGION_OCCUPIED = "the region is occupied"
+    FOE_CANNOT_STOP = "traffic that should yield can no longer stop"
+    PEDESTRIAN = "a pedestrian is on or near the crossing"
+    EXIT_BLOCKED = "there is no room behind the region"
+    SCHEDULED_STOP = "the route has a stop here"
+    NO_GAP = "no gap on the lane that the route needs"
+    BLOCKED = "something stands on the path"
+
+
+@dataclass(frozen=True, slots=True)
+class StopAt:
+    """Stop with the front bumper at arc length `s` (m) of C at the latest; `cause` is the vehicle, light or stop."""
+
+    s: float
+    reason: Reason
+    region: str = ""
+    cause: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Leader:
+    """A vehicle to follow: its rear bumper at arc length `s` of C (m), `speed` along C (m/s), hardest braking (m/s²)."""
+
+    user_id: str
+    s: float
+    speed: float
+    deceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A symbolic statement of the pilot: in `behaviour`, because of `reason`, caused by `cause` at `region`.
+
+    `figures` are the numbers that it rests on, by name with unit (`arrival_s`, `clearance_s`, `gap_m`).
+    """
+
+    behaviour: Behaviour
+    reason: Reason
+    region: str = ""
+    cause: str = ""
+    passes: bool = False
+    figures: tuple[tuple[str, float], ...] = ()

@@ -1,0 +1,81 @@
+"""The local world as the pilot and the executor see it: the others, related to C and to the regions on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.messages.state import VehicleState
+from sumo_reactive.messages.traffic import RoadUser
+from sumo_reactive.world.junction import Connection
+from sumo_reactive.world.regions import ConflictRegion
+
+
+class PathObstacle(NamedTuple):
+    """A road user whose body reaches into the corridor along C.
+
+    `start`, `end`: the stretch of C that it blocks (m); `along`, `across`: its velocity along C and to the left (m/s).
+    """
+
+    user: RoadUser
+    start: float
+    end: float
+    along: float
+    across: float
+
+
+class Conflict(NamedTuple):
+    """One conflict region on the way, and who goes first there.
+
+    `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first.
+    """
+
+    region: ConflictRegion
+    other: Connection
+    must_yield: bool
+    is_yielded_to: bool
+
+
+class Foe(NamedTuple):
+    """A road user that can reach a conflict region on passage `passage` of the plan.
+
+    `to_stop_line`, `to_region`, `to_clear`: its front's way (m) to its stop line, to the region, and until its rear has
+    left the region; negative when behind it.
+    """
+
+    user: RoadUser
+    passage: int
+    conflict: Conflict
+    to_stop_line: float
+    to_region: float
+    to_clear: float
+
+
+class Neighbour(NamedTuple):
+    """A vehicle on the lane that the next lane change leads to; `ahead` is its front minus the ego's front (m)."""
+
+    user: RoadUser
+    ahead: float
+
+
+class Snapshot(NamedTuple):
+    """The ego and its surroundings at `time`.
+
+    `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 6): x, y, heading, speed, length,
+    width of every user near (front bumper centre). `static` (k, 2): points of O_S, m. `lights`: letters by light id.
+    """
+
+    time: float
+    ego: VehicleState
+    s: float
+    d: float
+    front: float
+    boxes: NDArray[np.float64]
+    static: NDArray[np.float64]
+    on_path: tuple[PathObstacle, ...]
+    foes: tuple[Foe, ...]
+    neighbours: tuple[Neighbour, ...]
+    lights: Mapping[str, str]

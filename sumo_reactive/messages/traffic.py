@@ -1,0 +1,46 @@
+"""What is observed of the others: one value per step, straight from the simulation or any other perception."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Body(NamedTuple):
+    """What does not change about a road user: m, m/s², m/s. `is_person` marks pedestrians."""
+
+    length: float
+    width: float
+    emergency_deceleration: float
+    max_speed: float
+    is_person: bool = False
+
+
+class RoadUser(NamedTuple):
+    """Another vehicle or a pedestrian.
+
+    `x`, `y` is the centre of the front bumper (m), `heading` in rad, `speed` in m/s, `lane_position` the front's arc
+    length on the spine of `lane_id` (m). `route` holds the edges still to drive, the present one first (empty: unknown).
+    `waiting_time` is how long it has been standing, s.
+    """
+
+    id: str
+    x: float
+    y: float
+    heading: float
+    speed: float
+    lane_id: str
+    lane_position: float
+    body: Body
+    route: tuple[str, ...] = ()
+    waiting_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Traffic:
+    """All that is seen at `time` (s): the others, and the letters of each traffic light by its id."""
+
+    time: float
+    users: tuple[RoadUser, ...]
+    lights: Mapping[str, str]

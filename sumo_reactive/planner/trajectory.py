@@ -1,0 +1,128 @@
+"""The smooth curve C: the reference met from the car's pose, smoothed, sampled at even arc length (F&L 1991, §1.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from sumo_reactive.geometry.angle import wrapped
+from sumo_reactive.geometry.curve import Curve
+from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.parameters import (
+    CURVATURE_MARGIN,
+    CURVE_STEP_M,
+    LANE_CHANGE_DURATION_S,
+    MAX_START_BLEND_M,
+    MIN_START_BLEND_M,
+    PLAN_HORIZON_M,
+    START_CURVATURE_SHARE,
+)
+from sumo_reactive.planner.reference import Piece, Reference
+from sumo_reactive.planner.smoothing import curvature_of, smoothed
+from sumo_reactive.planner.turning import turnable
+from sumo_reactive.vehicle.limits import VehicleLimits
+
+Floats = NDArray[np.float64]
+
+QUINTIC_STEP_CURVATURE = 5.77
+"""Peak curvature of a quintic lateral step, times length² / offset."""
+
+QUINTIC_TURN_CURVATURE = 3.6
+"""Peak curvature of a quintic that takes out a heading error, times length / error."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """C with places known by both arc lengths, on the reference and on C (m,), and where the start transition ends."""
+
+    curve: Curve
+    reference_arc: Floats
+    arc: Floats
+    blend_end: float
+
+    def s(self, u: float) -> float:
+        """Return the arc length on C of reference arc length `u`, m."""
+        return u if u < 0.0 else float(np.interp(u, self.reference_arc, self.arc))
+
+    def reference_at(self, s: Floats) -> Floats:
+        """Return the reference arc lengths at arc lengths `s` on C, m."""
+        return np.asarray(np.interp(s, self.arc, self.reference_arc))
+
+
+def trajectory(
+    reference: Reference, front: tuple[float, float, float], speed: float, speed_factor: float, limits: VehicleLimits
+) -> Trajectory:
+    """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference."""
+    line = _sampled(reference)
+    line, blend = _met_from(line, front, speed, reference.pieces[0].lane.width, limits)
+    pace = lane_limits(reference.pieces, CURVE_STEP_M * np.arange(len(line), dtype=np.float64), speed_factor)
+    comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
+    fitted = smoothed(line, CURVE_STEP_M, comfort)
+    fitted, index = turnable(fitted, line, curvature_of(fitted), CURVATURE_MARGIN * limits.max_curvature)
+    curve, arc = _even(fitted)
+    return Trajectory(curve, CURVE_STEP_M * index, arc, float(np.interp(blend, CURVE_STEP_M * index, arc)))
+
+
+def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
+    """Return the lanes' speed limit times `speed_factor` (n,), m/s, at reference arc lengths `u` (n,)."""
+    starts = np.array([piece.u for piece in pieces])
+    index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
+    return np.asarray(np.array([piece.lane.speed_limit for piece in pieces])[index] * speed_factor)
+
+
+def _sampled(reference: Reference) -> Points:
+    """Return the reference every CURVE_STEP_M, shape (n ≥ 8, 2)."""
+    points = np.vstack(reference.points)
+    arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    end = arc[-1] if reference.goal is not None else min(float(arc[-1]), PLAN_HORIZON_M)
+    u = np.arange(int(end / CURVE_STEP_M) + 1) * CURVE_STEP_M
+    return np.column_stack([np.interp(u, arc, points[:, k]) for k in (0, 1)])
+
+
+def _met_from(
+    line: Points, front: tuple[float, float, float], speed: float, width: float, limits: VehicleLimits
+) -> tuple[Points, float]:
+    """Return `line` bent at its start to begin at `front` in its direction, and the length of the transition, m.
+
+    A quintic takes the offset and the difference of direction to zero.
+    """
+    x, y, heading = front
+    ahead = line[1] - line[0]
+    direction = math.atan2(ahead[1], ahead[0])
+    offset = np.array([x, y]) - line[0]
+    turn = np.array([math.cos(heading), math.sin(heading)]) - ahead / max(float(np.hypot(*ahead)), 1e-9)
+    error = abs(wrapped(heading - direction))
+    length = _blend_length(float(np.hypot(*offset)), error, speed, width, limits)
+    length = min(length, (len(line) - 1) * CURVE_STEP_M)
+    t = np.minimum(np.arange(len(line)) * CURVE_STEP_M / length, 1.0)[:, None]
+    place = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+    slope = t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2)
+    return line + offset * place + turn * length * slope, length
+
+
+def _blend_length(offset: float, error: float, speed: float, width: float, limits: VehicleLimits) -> float:
+    """Return the length (m) of the transition for a lateral `offset` (m) and a heading `error` (rad) at `speed`."""
+    bend = START_CURVATURE_SHARE * limits.max_curvature
+    lateral = math.sqrt(QUINTIC_STEP_CURVATURE * offset / bend)
+    turning = QUINTIC_TURN_CURVATURE * error / bend
+    comfortable = speed * LANE_CHANGE_DURATION_S * min(offset / width, 1.0)
+    return min(max(MIN_START_BLEND_M, lateral, turning, comfortable), MAX_START_BLEND_M)
+
+
+def _even(points: Points) -> tuple[Curve, Floats]:
+    """Return the curve through `points` (n, 2) at even arc length, and the arc length (n,) of each point on it."""
+    chord = np.concatenate(([0.0], np.cumsum(np.maximum(np.hypot(*np.diff(points, axis=0).T), 1e-6))))
+    spline = CubicSpline(chord, points)
+    middle = 0.5 * (chord[1:] + chord[:-1])
+    pace = (np.hypot(*spline(chord, 1).T), np.hypot(*spline(middle, 1).T))
+    steps = np.diff(chord) * (pace[0][:-1] + 4.0 * pace[1] + pace[0][1:]) / 6.0
+    arc = np.concatenate(([0.0], np.cumsum(steps)))
+    at = np.interp(np.arange(int(arc[-1] / CURVE_STEP_M) + 1) * CURVE_STEP_M, arc, chord)
+    (x, y), (dx, dy), (ddx, ddy) = spline(at).T, spline(at, 1).T, spline(at, 2).T
+    heading = np.unwrap(np.arctan2(dy, dx))
+    curvature = (dx * ddy - dy * ddx) / np.maximum(np.hypot(dx, dy) ** 3, 1e-9)
+    return Curve(x, y, heading, curvature, CURVE_STEP_M), arc

@@ -1,0 +1,1 @@
+"""Everything that knows SUMO: network files, sessions, the ego's hand-over, units."""

@@ -1,0 +1,72 @@
+"""Junctions from a parsed network: the order of their connections and who yields to whom."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.errors import NetworkError
+from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.sumo.net_connections import LaneOf, connection_from
+from sumo_reactive.sumo.net_file import Attributes, RawNet
+from sumo_reactive.sumo.net_lanes import coordinates
+from sumo_reactive.world.junction import Connection, Junction
+from sumo_reactive.world.right_of_way import RightOfWay
+
+
+def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:
+    """Build one junction with all its connections; raise NetworkError naming it if it is missing or malformed."""
+    element = raw.junctions.get(junction_id)
+    if element is None:
+        raise NetworkError(f"{raw.path}: unknown junction '{junction_id}'")
+    links = list(links_of(raw, element))
+    connections = tuple(connection_from(raw, link, junction_id, i, lane_of) for i, link in enumerate(links))
+    try:
+        right_of_way = _right_of_way(element.findall("request"), connections)
+        outline = _outline(element)
+    except KeyError as error:
+        raise NetworkError(f"{raw.path}: junction '{junction_id}' lacks attribute {error}") from error
+    except ValueError as error:
+        raise NetworkError(f"{raw.path}: junction '{junction_id}': {error}") from error
+    return Junction(junction_id, element.get("type", "unknown"), outline, connections, right_of_way)
+
+
+def links_of(raw: RawNet, junction: Element) -> Iterator[Attributes]:
+    """Yield the `<connection>` attributes in the order of the junction's `<request>` rows.
+
+    The order runs over the incoming lanes and, for each, over its connections as the file lists them. Ways on and off a
+    walking area have no row, except those that lead on to a pedestrian crossing.
+    """
+    for lane_id in junction.get("incLanes", "").split():
+        for connection in raw.leaving.get(lane_id, ()):
+            target = raw.function(connection["to"])
+            from_walk = lane_id.startswith(":") and raw.function(connection["from"]) == "walkingarea"
+            if target != "walkingarea" and (not from_walk or target == "crossing"):
+                yield connection
+
+
+def _right_of_way(requests: Sequence[Element], connections: Sequence[Connection]) -> RightOfWay:
+    """Read the rows `response` and `foes`; connections without a row neither yield nor conflict."""
+    size = len(connections)
+    yields, conflicts = np.zeros((size, size), dtype=bool), np.zeros((size, size), dtype=bool)
+    for request in requests:
+        row = int(request.attrib["index"])
+        if 0 <= row < size:
+            _read_bits(request.attrib["response"], yields[row])
+            _read_bits(request.attrib["foes"], conflicts[row])
+    return RightOfWay(yields, conflicts)
+
+
+def _read_bits(bits: str, row: NDArray[np.bool_]) -> None:
+    """Fill a table row from a bit string, whose last letter stands for connection 0."""
+    for i, bit in enumerate(reversed(bits[-len(row) :])):
+        row[i] = bit == "1"
+
+
+def _outline(junction: Element) -> Points:
+    """Return the junction's shape, (n, 2), m; its centre if it has none."""
+    shape = junction.get("shape") or f"{junction.attrib['x']},{junction.attrib['y']}"
+    return np.array([point[:2] for point in coordinates(shape)])

@@ -1,0 +1,153 @@
+"""The world model W, built from a SUMO network for the route at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from sumo_reactive.errors import NetworkError
+from sumo_reactive.parameters import APPROACH_HORIZON_M
+from sumo_reactive.sumo.net_file import RawNet, edge_id_of, parse
+from sumo_reactive.sumo.net_junctions import junction_from
+from sumo_reactive.sumo.net_lanes import lane_from
+from sumo_reactive.sumo.net_upstream import NetUpstream
+from sumo_reactive.world.approach import Approach, approaches_to
+from sumo_reactive.world.conflicts import conflict_regions
+from sumo_reactive.world.junction import Connection, Junction
+from sumo_reactive.world.lane import Lane
+from sumo_reactive.world.opposite import nearest_opposite
+from sumo_reactive.world.regions import ConflictRegion
+from sumo_reactive.world.road_graph import RoadGraph
+
+
+def read_net(path: Path) -> NetFile:
+    """Read a `.net.xml` or `.net.xml.gz`; raise NetworkError naming the file if it cannot serve for driving."""
+    return NetFile(parse(path))
+
+
+class NetFile:
+    """A network that builds the part of W that a route touches, and keeps what it has built for the next route."""
+
+    def __init__(self, raw: RawNet) -> None:
+        self._raw = raw
+        self._lanes: dict[str, Lane] = {}
+        self._junctions: dict[str, Junction] = {}
+        self._regions: dict[str, tuple[ConflictRegion, ...]] = {}
+        self._approaches: dict[str, tuple[Approach, ...]] = {}
+        self._opposites: dict[str, str | None] = {}
+        self._upstream = NetUpstream(raw, self.lane)
+
+    @property
+    def path(self) -> Path:
+        """The file that was read."""
+        return self._raw.path
+
+    @property
+    def left_hand(self) -> bool:
+        """Whether traffic keeps to the left."""
+        return self._raw.left_hand
+
+    def lane(self, lane_id: str) -> Lane:
+        """Return a lane; raise NetworkError if the network has none of that id."""
+        if lane_id not in self._lanes:
+            self._lanes[lane_id] = lane_from(self._raw, lane_id)
+        return self._lanes[lane_id]
+
+    def junction(self, junction_id: str) -> Junction:
+        """Return a junction with its connections; raise NetworkError if the network has none of that id."""
+        if junction_id not in self._junctions:
+            self._junctions[junction_id] = junction_from(self._raw, junction_id, self.lane)
+        return self._junctions[junction_id]
+
+    def build(self, edges: Sequence[str]) -> RoadGraph:
+        """Build W around a route of normal edges.
+
+        It holds the route's edges and the edges opposite them, the junctions at the route's edges' ends with all edges
+        that enter and leave them, conflict regions for the connections from route edge to route edge, and the lanes
+        from which others come to these regions. Raises NetworkError for an unknown edge.
+        """
+        junctions = {end: self.junction(end) for end in dict.fromkeys(self._end_of(edge) for edge in edges)}
+        connections = [connection for junction in junctions.values() for connection in junction.connections]
+        opposite = {edge: other for edge in dict.fromkeys(edges) if (other := self._opposite_of(edge))}
+        regions = self._regions_on(edges, junctions)
+        others = {region.other_id for found in regions.values() for region in found}
+        approaches = {c.id: self._approaches_of(c) for c in connections if c.id in others}
+        edge_lanes = self._edge_lanes([*edges, *opposite.values()], connections)
+        inside = [part for connection in connections for part in connection.parts]
+        upstream = [approach.lane_id for found in approaches.values() for approach in found]
+        return RoadGraph(
+            lanes=self._lane_table(edge_lanes.values(), inside, upstream),
+            edge_lanes=edge_lanes,
+            junctions=junctions,
+            connections={connection.id: connection for connection in connections},
+            outgoing=_grouped((connection.from_lane, connection) for connection in connections),
+            incoming=_grouped((connection.to_lane, connection) for connection in connections),
+            connection_of={part: connection for connection in connections for part in connection.parts},
+            regions=regions,
+            opposite=opposite,
+            left_hand=self.left_hand,
+            approaches=approaches,
+        )
+
+    def _normal_edge(self, edge_id: str) -> Element:
+        edge = self._raw.edge(edge_id)
+        if edge_id.startswith(":") or "to" not in edge.attrib:
+            raise NetworkError(f"{self.path}: edge '{edge_id}' is inside a junction; a route holds normal edges")
+        return edge
+
+    def _end_of(self, edge_id: str) -> str:
+        return self._normal_edge(edge_id).attrib["to"]
+
+    def _edge_lanes(self, edges: Iterable[str], connections: Iterable[Connection]) -> dict[str, tuple[Lane, ...]]:
+        """Return the lanes, outermost first, of the edges and of all edges that the connections join."""
+        joined = (edge_id_of(lane) for c in connections for lane in (c.from_lane, c.to_lane))
+        wanted = dict.fromkeys([*edges, *joined])
+        return {edge: tuple(self.lane(lane) for lane in self._raw.lane_ids(edge)) for edge in wanted}
+
+    def _lane_table(self, edge_lanes: Iterable[Iterable[Lane]], *more: Iterable[str]) -> dict[str, Lane]:
+        lanes = {lane.id: lane for found in edge_lanes for lane in found}
+        lanes.update((lane_id, self.lane(lane_id)) for ids in more for lane_id in ids)
+        return lanes
+
+    def _regions_on(
+        self, edges: Sequence[str], junctions: dict[str, Junction]
+    ) -> dict[str, tuple[ConflictRegion, ...]]:
+        """Return the conflict regions of the connections from each route edge to the next."""
+        regions: dict[str, tuple[ConflictRegion, ...]] = {}
+        for edge, onward in dict.fromkeys(pairwise(edges)):
+            junction = junctions[self._end_of(edge)]
+            owns = [c for c in junction.connections if (edge_id_of(c.from_lane), edge_id_of(c.to_lane)) == (edge, onward)]
+            missing = [own for own in owns if own.id not in self._regions]
+            if missing:
+                self._regions.update(conflict_regions(missing, junction))
+            regions.update((own.id, self._regions[own.id]) for own in owns)
+        return regions
+
+    def _approaches_of(self, connection: Connection) -> tuple[Approach, ...]:
+        """Return the lanes that lead to a connection; none to a pedestrian crossing."""
+        if connection.is_crossing:
+            return ()
+        if connection.id not in self._approaches:
+            to_edge = edge_id_of(connection.to_lane)
+            found = approaches_to(connection.from_lane, to_edge, self._upstream, APPROACH_HORIZON_M)
+            self._approaches[connection.id] = found
+        return self._approaches[connection.id]
+
+    def _opposite_of(self, edge_id: str) -> str | None:
+        """Return the edge that shares the carriageway in the other direction, if there is one."""
+        if edge_id not in self._opposites:
+            edge = self._normal_edge(edge_id)
+            back = self._raw.joining.get((edge.attrib["to"], edge.attrib["from"]), ())
+            candidates = [self.lane(self._raw.lane_ids(other)[-1]) for other in back if other != edge_id]
+            found = nearest_opposite(self.lane(self._raw.lane_ids(edge_id)[-1]), candidates)
+            self._opposites[edge_id] = found.edge_id if found else None
+        return self._opposites[edge_id]
+
+
+def _grouped(items: Iterable[tuple[str, Connection]]) -> dict[str, tuple[Connection, ...]]:
+    groups: dict[str, list[Connection]] = {}
+    for key, connection in items:
+        groups.setdefault(key, []).append(connection)
+    return {key: tuple(group) for key, group in groups.items()}

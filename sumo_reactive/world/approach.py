@@ -1,0 +1,87 @@
+"""The lanes on which a vehicle can come to a connection: where a threat to a conflict region may be."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class Approach:
+    """A lane (normal or internal) from which a vehicle can reach a connection's stop line.
+
+    `distance` is the spine length from the lane's START to the stop line, m. `edges` are the normal edges still to drive,
+    from the lane's own edge (from the next one, if the lane is internal) up to and including the edge behind the
+    connection; a vehicle comes this way if its remaining route begins with them.
+    """
+
+    lane_id: str
+    distance: float
+    edges: tuple[str, ...]
+
+
+class Upstream(Protocol):
+    """What the search backwards along the lanes asks of a network."""
+
+    def edge_of(self, lane_id: str) -> str:
+        """Return the edge that a lane belongs to."""
+
+    def spine_length(self, lane_id: str) -> float:
+        """Return the length of a lane's spine, m."""
+
+    def arrivals(self, lane_id: str) -> Iterable[tuple[str, Sequence[str]]]:
+        """Yield (lane before the junction, internal lanes in driving order) of the connections into a lane."""
+
+    def detours(self, lane_id: str, edge_id: str) -> Iterable[str]:
+        """Yield the lanes beside `lane_id` that do not themselves lead to `edge_id`: who drives there must change lanes."""
+
+
+def approaches_to(from_lane: str, to_edge: str, net: Upstream, horizon: float) -> tuple[Approach, ...]:
+    """Return the approaches of the connection from `from_lane` to `to_edge`, nearest first.
+
+    A lane belongs to them if its end is less than `horizon` m from the stop line. Routes that pass an edge twice within
+    the horizon are left out.
+    """
+    found: dict[tuple[str, tuple[str, ...]], float] = {}
+    queue: list[tuple[float, str, tuple[str, ...]]] = [(0.0, from_lane, (to_edge,))]
+    while queue:
+        ahead, lane, onward = heapq.heappop(queue)
+        edge = net.edge_of(lane)
+        if edge in onward[:-1]:
+            continue
+        for beside in (lane, *net.detours(lane, onward[0])):
+            key = (beside, (edge, *onward))
+            distance = ahead + net.spine_length(beside)
+            if found.get(key, math.inf) <= distance:
+                continue
+            found[key] = distance
+            for item in _upstream(beside, distance, key[1], net, horizon, found):
+                heapq.heappush(queue, item)
+    ordered = sorted(found.items(), key=lambda item: item[1])
+    return tuple(Approach(lane, distance, edges) for (lane, edges), distance in ordered)
+
+
+def _upstream(
+    lane: str,
+    distance: float,
+    edges: tuple[str, ...],
+    net: Upstream,
+    horizon: float,
+    found: dict[tuple[str, tuple[str, ...]], float],
+) -> Iterator[tuple[float, str, tuple[str, ...]]]:
+    """Note the internal lanes that lead into `lane` and yield (distance, lane, edges) of the lanes before them."""
+    if distance >= horizon:
+        return
+    for before, parts in net.arrivals(lane):
+        reached = distance
+        for part in reversed(parts):
+            if reached >= horizon:
+                break
+            reached += net.spine_length(part)
+            key = (part, edges)
+            found[key] = min(reached, found.get(key, math.inf))
+        if reached < horizon:
+            yield reached, before, edges

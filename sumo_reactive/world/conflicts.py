@@ -1,0 +1,130 @@
+"""Conflict regions from the bands that bodies sweep along the paths of a junction (F&L 1991, §2).
+
+Polygon work for load time; nothing here runs in the control step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+
+from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.parameters import (
+    MIN_REGION_AREA_M2,
+    REGION_STEP_M,
+    SEPARATE_LEVELS_M,
+    SWEPT_WIDTH_M,
+    UNDECLARED_REGION_AREA_M2,
+)
+from sumo_reactive.world.junction import Connection, Junction
+from sumo_reactive.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
+
+_ARC_SEGMENTS = 3  # per quarter circle: within 4 cm of a round joint of 1.1 m radius
+
+
+def conflict_regions(owns: Sequence[Connection], junction: Junction) -> dict[str, tuple[ConflictRegion, ...]]:
+    """Return the conflict regions of each of `owns` (connections of `junction`) by its id, in order of their start."""
+    if not owns:
+        return {}
+    points, path_numbers = _indexed_points(junction.connections)
+    lines = shapely.linestrings(points, indices=path_numbers)
+    widths = [connection.width if connection.is_crossing else SWEPT_WIDTH_M for connection in junction.connections]
+    sweeps = shapely.buffer(lines, 0.5 * np.array(widths), cap_style="flat", quad_segs=_ARC_SEGMENTS)
+    position = {connection.id: i for i, connection in enumerate(junction.connections)}
+    return {own.id: _regions_of(position[own.id], junction, lines, sweeps) for own in owns}
+
+
+def _indexed_points(connections: Sequence[Connection]) -> tuple[Points, Any]:
+    """Return all path points, shape (n, 2), and the number of the path each belongs to, shape (n,)."""
+    points = [connection.path.points for connection in connections]
+    return np.concatenate(points), np.repeat(np.arange(len(points)), [len(part) for part in points])
+
+
+def _regions_of(i: int, junction: Junction, lines: Any, sweeps: Any) -> tuple[ConflictRegion, ...]:
+    own = junction.connections[i]
+    overlaps = shapely.intersection(sweeps[i], sweeps)
+    areas = shapely.area(overlaps)
+    found = []
+    for j, other in enumerate(junction.connections):
+        kind = conflict_kind(own, other)
+        if j == i or not _meet(own, other, kind, areas[j], junction):
+            continue
+        overlap = _main_part(overlaps[j], kind, lines[i]) if areas[j] > 0.0 else _touch(own, kind)
+        if not _on_separate_levels(own, other, overlap):
+            found.append(_region(own, other, kind, overlap, (lines[i], lines[j])))
+    return tuple(sorted(found, key=lambda region: (region.own.start, region.other_id)))
+
+
+def conflict_kind(own: Connection, other: Connection) -> ConflictKind:
+    """Return how two paths meet, if they meet."""
+    if own.from_lane == other.from_lane:
+        return ConflictKind.DIVERGING
+    return ConflictKind.MERGING if own.to_lane == other.to_lane else ConflictKind.CROSSING
+
+
+def _meet(own: Connection, other: Connection, kind: ConflictKind, area: float, junction: Junction) -> bool:
+    """Whether an overlap of `area` m² is a conflict: paths that share an end always meet, declared foes mostly do."""
+    if kind is not ConflictKind.CROSSING:
+        return True
+    table = junction.right_of_way
+    declared = table.in_conflict(own.index, other.index) or table.in_conflict(other.index, own.index)
+    return area > (MIN_REGION_AREA_M2 if declared else UNDECLARED_REGION_AREA_M2)
+
+
+def _main_part(overlap: Any, kind: ConflictKind, line: Any) -> Any:
+    """Reduce an overlap in several parts to one polygon: the part at the shared start, or the hull of all."""
+    areas = [part for part in shapely.get_parts(overlap) if part.area > 0.0]
+    if len(areas) == 1:
+        return areas[0]
+    if kind is ConflictKind.DIVERGING:
+        start = shapely.get_point(line, 0)
+        return min(areas, key=lambda part: float(part.distance(start)))
+    return shapely.convex_hull(shapely.multipolygons(areas))
+
+
+def _touch(own: Connection, kind: ConflictKind) -> Any:
+    """Return the area (half a body wide around) of the end that two paths share although their sweeps are disjoint."""
+    s = 0.0 if kind is ConflictKind.DIVERGING else own.path.length
+    return shapely.buffer(shapely.points(*own.path.at(s)), 0.5 * SWEPT_WIDTH_M, quad_segs=_ARC_SEGMENTS)
+
+
+def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any, lines: tuple[Any, Any]) -> ConflictRegion:
+    outline = shapely.get_coordinates(shapely.segmentize(overlap, REGION_STEP_M))
+    own_stretch = _stretch(lines[0], outline, kind)
+    region_id = f"{own.id}|{other.id}"
+    return ConflictRegion(
+        id=region_id,
+        kind=kind,
+        own_id=own.id,
+        other_id=other.id,
+        own=own_stretch,
+        other=_stretch(lines[1], outline, kind),
+        polygon=shapely.get_coordinates(shapely.get_exterior_ring(overlap))[:-1],
+        post=PostConflictRegion(own.id, own_stretch.end, region_id),
+    )
+
+
+def _stretch(line: Any, outline: Points, kind: ConflictKind) -> Interval:
+    """Return the arc lengths (m) over which a body's cross-section meets the area with that `outline` (n, 2)."""
+    s = shapely.line_locate_point(line, shapely.points(outline))
+    start = 0.0 if kind is ConflictKind.DIVERGING else float(s.min())
+    end = float(line.length) if kind is ConflictKind.MERGING else float(s.max())
+    return Interval(start, end)
+
+
+def _on_separate_levels(own: Connection, other: Connection, overlap: Any) -> bool:
+    """Whether one path passes over the other where they overlap."""
+    middle = shapely.centroid(overlap)
+    own_height, other_height = _height(own, middle.x, middle.y), _height(other, middle.x, middle.y)
+    return own_height is not None and other_height is not None and abs(own_height - other_height) > SEPARATE_LEVELS_M
+
+
+def _height(connection: Connection, x: float, y: float) -> float | None:
+    """Return the elevation (m) of a connection's path where it is closest to (x, y); None in a flat network."""
+    if connection.heights is None:
+        return None
+    s, _ = connection.path.project(x, y)
+    return float(np.interp(s, connection.path.arc_lengths, connection.heights))

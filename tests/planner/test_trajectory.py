@@ -1,0 +1,127 @@
+"""The curve C: smooth, drivable, near the lanes' centres."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from planner_roads import CAR, corner, graph, road, start_on
+
+from sumo_reactive.geometry.polyline import Polyline, joined
+from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.planner.planner import plan
+from sumo_reactive.world.road_graph import RoadGraph
+from sumo_reactive.world.route import Route
+
+AB = Route(("a", "b"))
+
+
+def deviation(world: RoadGraph, found: NominalPlan, lanes: list[str]) -> float:
+    line = Polyline(joined([world.lanes[lane].spine.points for lane in lanes]))
+    inside = range(20, len(found.curve.x) - 30)
+    return max(abs(line.project(found.curve.x[i], found.curve.y[i])[1]) for i in inside)
+
+
+@pytest.mark.parametrize("points", [3, 4, 8])
+def test_a_tight_corner_can_be_steered_and_stays_in_its_lane(points: int) -> None:
+    world = corner(4.4, points)
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    assert np.abs(found.curve.curvature).max() <= CAR.max_curvature
+    assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 0.8
+
+
+def test_a_normal_turn_keeps_to_the_centre_line() -> None:
+    world = corner(9.0, 12)
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    assert np.abs(found.curve.curvature).max() < 0.17
+    assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 0.35
+
+
+def test_a_u_turn_of_three_metres_swings_out_until_the_car_can_steer_it() -> None:
+    a, b = road("a", [(0, 0), (60, 0)]), road("b", [(60, 6), (0, 6)])
+    bend = [(60 + 3 * math.sin(t), 3 - 3 * math.cos(t)) for t in np.linspace(0, math.pi, 7)[1:-1]]
+    world = graph([a, b], [("a_0", "b_0")], {"a_0": bend})
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    assert np.abs(found.curve.curvature).max() <= 1.02 * CAR.max_curvature
+    assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 3.0
+
+
+def test_the_curve_is_sampled_at_even_arc_length() -> None:
+    world = corner(6.0, 5)
+    curve = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0)).curve
+    steps = np.hypot(np.diff(curve.x), np.diff(curve.y))
+    assert np.allclose(steps, curve.step, rtol=0.01)
+    assert np.allclose(np.diff(curve.heading), 0.5 * (curve.curvature[1:] + curve.curvature[:-1]) * curve.step, atol=0.01)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(-1.6, 1.6), st.floats(0.0, 15.0), st.floats(5.0, 50.0))
+def test_the_curve_begins_at_the_front_axle_in_its_direction(offset: float, speed: float, position: float) -> None:
+    world = graph([road("a", [(0, 0), (200, 0)])], [])
+    start = start_on(world.lanes["a_0"], position, speed, offset)
+    curve = plan(world, Route(("a",)), "passenger", CAR, start).curve
+    assert (curve.x[0], curve.y[0]) == pytest.approx((position - 0.9, offset), abs=0.02)
+    assert curve.heading[0] == pytest.approx(0.0, abs=0.03)
+    assert np.abs(curve.curvature).max() * min(speed, 8.0) ** 2 < 4.0 + 8.0 * (speed < 4.0)
+    assert curve.at(150.0)[1] == pytest.approx(0.0, abs=0.02)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("speed", [0.0, 8.0, 15.0])
+def test_a_change_now_is_comfortable_at_the_present_speed(side: int, speed: float) -> None:
+    world = graph([road("a", [(0, 0), (300, 0)], 3)], [])
+    found = plan(world, Route(("a",)), "passenger", CAR, start_on(world.lanes["a_1"], 60.0, speed), change_now=side)
+    assert np.abs(found.curve.curvature).max() <= min(CAR.max_curvature, 3.0 / max(speed, 1.0) ** 2)
+    (change,) = found.lane_changes
+    assert (change.start, change.side) == (0.0, side)
+    assert [s.lane_id for s in found.segments] == ["a_1", f"a_{1 + side}"]
+    assert found.curve.at(change.end + 5.0)[1] == pytest.approx(3.2 * (1 + side), abs=0.15)
+
+
+def test_a_late_change_is_smooth_at_the_envelope_speed() -> None:
+    world = graph([road("a", [(0, 0), (300, 0)], 2), road("b", [(301, 0), (400, 0)])], [("a_0", "b_0")])
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_1"], 10.0))
+    lateral = np.abs(found.curve.curvature) * found.speed_limits**2
+    assert lateral.max() < 1.1 * CAR.comfort_lateral_acceleration
+
+
+def test_a_point_of_a_lane_lies_where_its_segment_says() -> None:
+    world = corner(7.0, 6)
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    for segment in found.segments:
+        spine = world.lanes[segment.lane_id].spine
+        for p in np.linspace(max(segment.lane_offset, 0.0), spine.length, 8):
+            x, y, _ = found.curve.at(segment.start + (p - segment.lane_offset) * segment.stretch)
+            assert math.hypot(x - spine.at(p)[0], y - spine.at(p)[1]) < 0.4
+
+
+def test_segments_follow_one_another_without_gaps() -> None:
+    world = corner(7.0, 6)
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    assert found.segments[0].start == 0.0
+    assert all(a.end == b.start for a, b in zip(found.segments, found.segments[1:], strict=False))
+    assert found.curve.length >= found.goal + 9.0 if found.goal is not None else False
+
+
+def test_a_plan_can_begin_inside_a_junction() -> None:
+    world = corner(9.0, 8)
+    found = plan(world, AB, "passenger", CAR, start_on(world.lanes[":J0_0"], 6.0))
+    assert [s.lane_id for s in found.segments] == [":J0_0", "b_0"]
+    assert found.passages[0].start < 0.0
+    assert np.abs(found.curve.curvature).max() <= CAR.max_curvature
+
+
+def test_the_plan_ends_at_the_horizon_without_a_goal() -> None:
+    world = graph([road("a", [(0, 0), (5000, 0)])], [])
+    found = plan(world, Route(("a",)), "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    assert found.goal is None
+    assert found.curve.length == pytest.approx(2000.0, abs=1.0)
+
+
+def test_lanes_shorter_than_a_metre_are_driven_over() -> None:
+    roads = [road("a", [(0, 0), (50, 0)]), road("b", [(50.1, 0), (50.3, 0)]), road("c", [(50.4, 0), (100, 0)])]
+    world = graph(roads, [("a_0", "b_0"), ("b_0", "c_0")])
+    found = plan(world, Route(("a", "b", "c")), "passenger", CAR, start_on(world.lanes["b_0"], 0.1, route_index=1))
+    assert [s.lane_id for s in found.segments] == ["b_0", ":J1_0", "c_0"]
+    assert np.abs(found.curve.curvature).max() < 0.01
