@@ -168,3 +168,22 @@ OPPOSITE_SLACK_M = 1.0
 
 MIN_PATH_LENGTH_M = 0.1
 """Shortest spine or path; networks hold shapes of two equal points."""
+
+# --- perception ------------------------------------------------------------------------------------------------------
+ATTENTION_TIME_S = 8.0
+"""The ego looks this long ahead at its present speed."""
+
+ATTENTION_MIN_AHEAD_M = 60.0
+"""…but at least this far."""
+
+ATTENTION_BEHIND_M = 90.0
+"""How far back a lane is watched before changing onto it: 3 s at 30 m/s of closing speed."""
+
+CORRIDOR_MARGIN_M = 0.2
+"""Added to each side of the ego when it asks what stands in its way."""
+
+NEAR_M = 45.0
+"""Users nearer than this cast U₂ and are tested for contact."""
+
+PROJECTION_WINDOW_M = 8.0
+"""How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from sumo_reactive.compilation import kernel
 from sumo_reactive.executor.collision import braking_collides
 from sumo_reactive.executor.shadow import corners_of, shadow_sum
-from sumo_reactive.executor.valley import project_on_curve, taxicab_to_points, valley_potential
+from sumo_reactive.executor.valley import taxicab_to_points, valley_potential
 from sumo_reactive.executor.valley_map import map_potential
 from sumo_reactive.executor.velocity import velocity_potential
+from sumo_reactive.geometry.curve import project_on_curve
 from sumo_reactive.parameters import (
     COLLISION_HORIZON_S,
     COLLISION_STEP_S,

@@ -28,15 +28,14 @@ def lane_from(raw: RawNet, lane_id: str) -> Lane:
     if attributes is None:
         raise NetworkError(f"{raw.path}: unknown lane '{lane_id}'")
     try:
-        return _built(raw, edge.attrib, attributes)
+        return _built(edge.attrib, attributes)
     except KeyError as error:
         raise NetworkError(f"{raw.path}: lane '{lane_id}' lacks attribute {error}") from error
     except ValueError as error:
         raise NetworkError(f"{raw.path}: lane '{lane_id}': {error}") from error
 
 
-def _built(raw: RawNet, edge: Mapping[str, str], lane: Mapping[str, str]) -> Lane:
-    inward, outward = permitted(lane.get("changeLeft")), permitted(lane.get("changeRight"))
+def _built(edge: Mapping[str, str], lane: Mapping[str, str]) -> Lane:
     return Lane(
         id=lane["id"],
         edge_id=edge["id"],
@@ -47,9 +46,8 @@ def _built(raw: RawNet, edge: Mapping[str, str], lane: Mapping[str, str]) -> Lan
         speed_limit=float(lane["speed"]),
         allowed=permitted(lane.get("allow") or None, lane.get("disallow")),
         is_internal=edge["id"].startswith(":"),
-        # "changeLeft" is SUMO's word for towards the higher index, which in left-hand traffic lies to the right
-        change_left=outward if raw.left_hand else inward,
-        change_right=inward if raw.left_hand else outward,
+        change_left=permitted(lane.get("changeLeft")),  # the driver's left in left-hand traffic too
+        change_right=permitted(lane.get("changeRight")),
     )
 
 

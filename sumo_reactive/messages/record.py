@@ -1,0 +1,52 @@
+"""What is kept of a step: everything a figure, a verdict or an explanation is made from later."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sumo_reactive.messages.decision import Decision
+from sumo_reactive.messages.traffic import RoadUser
+
+
+class StepRecord(NamedTuple):
+    """The ego at the end of a simulation step, and why it is there.
+
+    `x`, `y` is the front bumper's centre (m), `heading` in rad. `s`, `d`: front axle on C (m). `stop_s` is the planned
+    stop (m on C, NaN: none). `u`, `u1`, `u2`, `u3`: potential and its terms for the chosen command. `leader`, `gap`: the
+    vehicle that limits the ego and its distance (m, NaN: none). `control_us`: time of the control step. `lane_id` is
+    where SUMO maps the ego (empty: nowhere). `committed`: the ego is inside a junction. `light`: letter that applied to
+    the stop line crossed in this step (empty: none crossed).
+    """
+
+    time: float
+    x: float
+    y: float
+    heading: float
+    speed: float
+    acceleration: float
+    steering_angle: float
+    lane_id: str
+    s: float
+    d: float
+    command_acceleration: float
+    command_steering_rate: float
+    desired_speed: float
+    stop_s: float
+    u: float
+    u1: float
+    u2: float
+    u3: float
+    leader: str
+    gap: float
+    behaviour: str
+    emergency: bool
+    light: str
+    control_us: float
+    decisions: tuple[Decision, ...]
+
+
+class Scene(NamedTuple):
+    """All that a judge may look at after a step: the ego's record and every road user near, where SUMO has put them."""
+
+    step: StepRecord
+    users: tuple[RoadUser, ...]

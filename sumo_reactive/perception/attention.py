@@ -1,0 +1,147 @@
+"""Where to look: the lanes that matter at a place of the plan, and what a vehicle on each of them may do to the ego."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+from sumo_reactive.messages.plan import LaneChange, NominalPlan, Passage
+from sumo_reactive.messages.snapshot import Conflict
+from sumo_reactive.parameters import (
+    ATTENTION_BEHIND_M,
+    ATTENTION_MIN_AHEAD_M,
+    ATTENTION_TIME_S,
+)
+from sumo_reactive.world.regions import ConflictKind
+from sumo_reactive.world.road_graph import RoadGraph
+
+
+class Watch(NamedTuple):
+    """A lane from which a conflict can arise.
+
+    A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`.
+    """
+
+    conflict: Conflict
+    distance: float
+    edges: tuple[str, ...]
+
+
+@lru_cache(maxsize=4096)
+def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
+    """Return the crossing and merging conflicts on a connection, nearest region first."""
+    own = graph.connections[connection_id]
+    rules = graph.junctions[own.junction_id].right_of_way
+    found = []
+    for region in graph.regions.get(connection_id, ()):
+        other = graph.connections[region.other_id]
+        if region.kind is ConflictKind.DIVERGING:
+            continue
+        yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
+        found.append(Conflict(region, other, yields, yielded))
+    return tuple(found)
+
+
+@lru_cache(maxsize=4096)
+def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch, ...]]:
+    """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
+    table: dict[str, list[Watch]] = {}
+    for conflict in conflicts_of(graph, connection_id):
+        behind = 0.0
+        for part in conflict.other.parts:
+            table.setdefault(part, []).append(Watch(conflict, -behind, ()))
+            behind += graph.lanes[part].spine.length
+        table.setdefault(conflict.other.to_lane, []).append(Watch(conflict, -behind, ()))
+        for approach in graph.approaches.get(conflict.other.id, ()):
+            table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges))
+    return {lane: tuple(entries) for lane, entries in table.items()}
+
+
+@lru_cache(maxsize=4096)
+def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
+    """Return every lane to look at while passing a junction: inside, before, behind, and where foes come from."""
+    junction = graph.junctions[graph.connections[connection_id].junction_id]
+    lanes: dict[str, None] = {}
+    for connection in junction.connections:
+        for lane in (*connection.parts, connection.from_lane, connection.to_lane):
+            if lane in graph.lanes:
+                lanes[lane] = None
+    for lane in watches_of(graph, connection_id):
+        lanes[lane] = None
+    return tuple(lanes)
+
+
+@lru_cache(maxsize=1024)
+def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
+    """Return, by lane id, the arc length at which lanes before and behind `lane_id` start on its own axis (m).
+
+    The axis runs through the lane's predecessors, `ATTENTION_BEHIND_M` back, and through its successors as far ahead.
+    """
+    lane = graph.lanes[lane_id]
+    axis = {lane_id: 0.0}
+    queue = [(lane_id, 0.0)]
+    while queue:
+        here, start = queue.pop()
+        for connection in graph.incoming.get(here, ()):
+            at = start
+            for part in reversed(connection.parts):
+                at -= graph.lanes[part].spine.length
+                axis.setdefault(part, at)
+            before = connection.from_lane
+            if before in graph.lanes and before not in axis:
+                axis[before] = at - graph.lanes[before].spine.length
+                if at > -ATTENTION_BEHIND_M:
+                    queue.append((before, axis[before]))
+    queue = [(lane_id, lane.spine.length)]
+    while queue:
+        here, end = queue.pop()
+        for connection in graph.outgoing.get(here, ()):
+            at = end
+            for part in connection.parts:
+                axis.setdefault(part, at)
+                at += graph.lanes[part].spine.length
+            behind = connection.to_lane
+            if behind in graph.lanes and behind not in axis:
+                axis[behind] = at
+                if at < lane.spine.length + ATTENTION_BEHIND_M:
+                    queue.append((behind, at + graph.lanes[behind].spine.length))
+    return axis
+
+
+def in_sight(plan: NominalPlan, front: float, speed: float) -> tuple[int, ...]:
+    """Return the indices of the passages that matter with the front bumper at `front` (m) and `speed` (m/s)."""
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    return tuple(i for i, p in enumerate(plan.passages) if p.start <= reach and p.end >= front - ATTENTION_MIN_AHEAD_M / 3)
+
+
+def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
+    """Return the next lane change that has not ended."""
+    return next((change for change in plan.lane_changes if change.end > front), None)
+
+
+def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float) -> tuple[str, ...]:
+    """Return the ids of the lanes whose users matter now, each once."""
+    lanes: dict[str, None] = {}
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    for segment in plan.segments:
+        if segment.start <= reach and segment.end >= front - ATTENTION_BEHIND_M:
+            lanes.update(dict.fromkeys(_edge_lanes(graph, segment.lane_id)))
+    for i in in_sight(plan, front, speed):
+        lanes.update(dict.fromkeys(lanes_around(graph, _connection(plan.passages[i]))))
+    change = next_change(plan, front)
+    if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
+        lanes.update(dict.fromkeys(lane_axis(graph, change.to_lane)))
+    return tuple(lanes)
+
+
+def _connection(passage: Passage) -> str:
+    return passage.connection_id
+
+
+def _edge_lanes(graph: RoadGraph, lane_id: str) -> Iterator[str]:
+    lane = graph.lanes[lane_id]
+    for beside in graph.edge_lanes.get(lane.edge_id, (lane,)):
+        yield beside.id
+    for beside in graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ()):
+        yield beside.id

@@ -1,0 +1,124 @@
+"""From what is observed to what it means along C: one snapshot per step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.geometry.curve import project_on_curve
+from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.messages.snapshot import Foe, Neighbour, PathObstacle, Snapshot
+from sumo_reactive.messages.state import VehicleState
+from sumo_reactive.messages.traffic import RoadUser, Traffic
+from sumo_reactive.parameters import (
+    ATTENTION_MIN_AHEAD_M,
+    ATTENTION_TIME_S,
+    CORRIDOR_MARGIN_M,
+    NEAR_M,
+    PROJECTION_WINDOW_M,
+)
+from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, next_change, watches_of
+from sumo_reactive.perception.corridor import blocked_stretches
+from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.road_graph import RoadGraph
+
+Array = NDArray[np.float64]
+
+NOTHING_STATIC: Array = np.empty((0, 2))
+_NO_BOXES: Array = np.empty((0, 6))
+
+
+def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
+    """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
+    p, curve = ego.pose, plan.curve
+    x, y = p.x + limits.wheelbase * math.cos(p.heading), p.y + limits.wheelbase * math.sin(p.heading)
+    return project_on_curve(x, y, curve.x, curve.y, curve.step, s_before, PROJECTION_WINDOW_M)
+
+
+def perceive(
+    traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float
+) -> Snapshot:
+    """Relate `traffic` to the plan: who stands in the corridor, who can reach which region, who drives beside.
+
+    `s_before` is the ego's last known arc length on C (m).
+    """
+    s, d = locate(ego, plan, limits, s_before)
+    front = s + limits.front_overhang
+    boxes = _boxes(traffic.users)
+    on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
+    sight = in_sight(plan, front, ego.speed)
+    foes = tuple(_foes(traffic.users, plan, graph, sight)) if sight else ()
+    neighbours = tuple(_neighbours(traffic.users, plan, graph, ego, limits, front))
+    return Snapshot(
+        traffic.time, ego, s, d, front, _near(boxes, ego), NOTHING_STATIC, on_path, foes, neighbours, traffic.lights
+    )
+
+
+def _boxes(users: tuple[RoadUser, ...]) -> Array:
+    if not users:
+        return _NO_BOXES
+    return np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in users])
+
+
+def _near(boxes: Array, ego: VehicleState) -> Array:
+    away = np.abs(boxes[:, 0] - ego.pose.x) + np.abs(boxes[:, 1] - ego.pose.y)
+    return boxes[away < NEAR_M]
+
+
+def _on_path(
+    users: tuple[RoadUser, ...], boxes: Array, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
+) -> Iterator[PathObstacle]:
+    curve = plan.curve
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    half = 0.5 * limits.width + CORRIDOR_MARGIN_M
+    stretches = blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, half)
+    for i in np.flatnonzero(~np.isnan(stretches[:, 0])):
+        start, end, along, across = stretches[i].tolist()
+        yield PathObstacle(users[i], start, end, along, across)
+
+
+def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> Iterator[Foe]:
+    tables = [(i, watches_of(graph, plan.passages[i].connection_id)) for i in sight]
+    for user in users:
+        for i, table in tables:
+            for watch in table.get(user.lane_id, ()):
+                if watch.edges == user.route[: len(watch.edges)]:
+                    foe = _foe(user, i, watch)
+                    if foe.to_clear > 0.0:
+                        yield foe
+
+
+def _foe(user: RoadUser, passage: int, watch: Watch) -> Foe:
+    region = watch.conflict.region
+    to_line = watch.distance - user.lane_position
+    if not user.body.is_person:
+        return Foe(user, passage, watch.conflict, to_line, to_line + region.other.start, to_line + region.other.end + user.body.length)
+    return _walker(user, passage, watch)
+
+
+def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
+    """A pedestrian may walk along the crossing's path or against it."""
+    conflict, at = watch.conflict, user.lane_position
+    start, end = conflict.region.other.start, conflict.region.other.end
+    forward = math.cos(user.heading - conflict.other.path.heading_at(at)) >= 0.0
+    to_region, to_clear = (start - at, end - at) if forward else (at - end, at - start)
+    return Foe(user, passage, conflict, -1.0, to_region, to_clear)
+
+
+def _neighbours(
+    users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
+) -> Iterator[Neighbour]:
+    change = next_change(plan, front)
+    if change is None or change.opens > front:
+        return
+    axis = lane_axis(graph, change.to_lane)
+    p, reach = ego.pose, limits.front_to_rear_axle
+    x, y = p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading)
+    own, _ = graph.lanes[change.to_lane].spine.project(x, y)
+    for user in users:
+        start = axis.get(user.lane_id)
+        if start is not None:
+            yield Neighbour(user, start + user.lane_position - own)
