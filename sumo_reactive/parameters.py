@@ -187,3 +187,64 @@ NEAR_M = 45.0
 
 PROJECTION_WINDOW_M = 8.0
 """How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
+
+# --- pilot -----------------------------------------------------------------------------------------------------------
+STANDING_SPEED = 0.1
+"""m/s; SUMO counts a vehicle as waiting at or below it."""
+
+STOP_REACHED_M = 2.0
+"""A stop counts as reached when the ego stands this close before it."""
+
+YELLOW_DECELERATION = 3.0
+"""m/s²; a yellow is obeyed where this braking suffices (design value of yellow times: 3.0–3.4 m/s²)."""
+
+FOE_ACCELERATION = 1.5
+"""m/s²; how a foe may speed up on its way to a region."""
+
+FOE_CAN_STOP_DECELERATION = 4.0
+"""m/s²; a foe that must yield is trusted to while this braking suffices (SUMO's default car brakes at 4.5)."""
+
+FOE_PATIENCE_S = 3.0
+"""A foe with priority that has been standing this long, while the ego has too, is not about to go."""
+
+FOLLOWER_DECELERATION = 2.0
+"""m/s²; braking that the ego may ask of traffic behind it when it merges, and of itself behind traffic ahead."""
+
+GAP_BEFORE_S = 1.0
+"""Margin between leaving a region and the foe's earliest arrival."""
+
+GAP_AFTER_S = 0.5
+"""Margin between the foe's leaving a region and the ego's arrival."""
+
+MERGE_GAP_S = 0.8
+"""Time headway that a foe keeps behind the ego after it merged."""
+
+COMMITTED_PATIENCE = 0.4
+"""Share of the margins that still must remain once the ego is inside the junction."""
+
+REGION_MARGIN_M = 0.5
+"""Distance kept to a region when waiting inside a junction."""
+
+CROSSER_MARGIN_S = 0.5
+"""A crossing car counts as gone if it leaves the corridor this long before the ego comes."""
+
+LANE_CHANGE_LOOK_AHEAD_S = 20.0
+"""A needed lane change is sought this long before its latest place…"""
+
+LANE_CHANGE_LOOK_AHEAD_M = 150.0
+"""…and at least this far."""
+
+LANE_CHANGE_GAP_M = 2.0
+"""Gap to both sides of the place on the other lane at standstill…"""
+
+LANE_CHANGE_REACTION_S = 0.5
+"""…and the time headway added to it."""
+
+CAUTIOUS_AHEAD_S = 4.0
+"""Cautious driving begins this long before a line…"""
+
+CAUTIOUS_AHEAD_M = 10.0
+"""…and this far."""
+
+TIME_TOLERANCE_S = 2.0
+"""The ego slows down for a time constraint only if it would be earlier than this."""

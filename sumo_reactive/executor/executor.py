@@ -19,10 +19,10 @@ from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
     HARD_STOP_MARGIN_M,
     SAFE_GAP_M,
-    SHADOW_HORIZON_M,
     SPEED_APPROACH_S,
     STEERING_GAIN,
     STOP_LINE_MARGIN_M,
+    TIME_TOLERANCE_S,
 )
 from sumo_reactive.vehicle.bicycle import advance
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -60,7 +60,8 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
     road = float(plan.speed_limits[min(max(sample, 0), len(plan.speed_limits) - 1)])
     target = completed.target
-    in_time = cruise_speed(speed, target.s - snapshot.front, target.time - snapshot.time, road, limits.max_acceleration)
+    left = target.time - snapshot.time - TIME_TOLERANCE_S
+    in_time = cruise_speed(speed, target.s - snapshot.front, left, road, limits.max_acceleration)
     best = min(road, in_time)
     if best > speed:
         best = speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S)

@@ -1,0 +1,180 @@
+"""Crossing an intersection: enter a conflict region only if it is free and can be cleared (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from sumo_reactive.messages.completed_plan import Weights
+from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.messages.plan import NominalPlan, Passage
+from sumo_reactive.messages.snapshot import Conflict, Foe, Snapshot
+from sumo_reactive.parameters import (
+    COMMITTED_PATIENCE,
+    FOE_CAN_STOP_DECELERATION,
+    FOE_PATIENCE_S,
+    MAX_ACCELERATION_IN_PLAN,
+    REGION_MARGIN_M,
+    STANDING_SPEED,
+)
+from sumo_reactive.pilot.behaviours.cautious import letter_of
+from sumo_reactive.pilot.gaps import Passing, is_enough, passing, threat, travel_time
+from sumo_reactive.pilot.lights import holds_back
+from sumo_reactive.pilot.memory import PilotMemory
+from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.junction import Connection, Control
+from sumo_reactive.world.regions import ConflictKind
+
+WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
+
+
+class Crossing(NamedTuple):
+    """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed."""
+
+    index: int
+    passage: Passage
+    connection: Connection
+    scale: float
+    pace: float
+
+    def at(self, path_length: float) -> float:
+        """Arc length on C of a place on the connection's path, m."""
+        return self.passage.start + path_length * self.scale
+
+
+class Objection(NamedTuple):
+    """Why a region may not be entered now."""
+
+    reason: Reason
+    foe: Foe
+    figures: tuple[tuple[str, float], ...]
+
+
+def stop_before_region(
+    crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> tuple[StopAt, Objection] | None:
+    """Return where to wait for the regions of a passage, and the objection behind it; None when the way is free."""
+    best: tuple[StopAt, Objection] | None = None
+    for foe in snapshot.foes:
+        if foe.passage != crossing.index:
+            continue
+        objection = _objection(foe, crossing, snapshot, memory, limits)
+        place = _place_to_wait(foe.conflict, crossing, snapshot, limits) if objection else None
+        if objection and place is not None and (best is None or place < best[0].s):
+            best = StopAt(place, objection.reason, foe.conflict.region.id, foe.user.id), objection
+    return best
+
+
+def _objection(
+    foe: Foe, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> Objection | None:
+    region, front = foe.conflict.region, snapshot.front
+    to_region = crossing.at(region.own.start) - front
+    to_clear = crossing.at(region.own.end) + limits.length - front
+    if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
+        return None
+    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
+    own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
+    other = threat(foe)
+    if _gives_way(foe, own) and not foe.user.body.is_person:
+        return None
+    committed = front > crossing.passage.start
+    if is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0):
+        return None
+    figures = (
+        ("arrival_s", own.arrival),
+        ("clearance_s", own.clearance),
+        ("foe_arrival_s", other.arrival),
+        ("foe_clearance_s", other.clearance),
+    )
+    return Objection(_reason(foe), foe, figures)
+
+
+def _reason(foe: Foe) -> Reason:
+    if foe.user.body.is_person:
+        return Reason.PEDESTRIAN
+    if foe.to_region <= 0.0:
+        return Reason.REGION_OCCUPIED
+    if foe.conflict.must_yield and foe.conflict.is_yielded_to:
+        return Reason.WAIT_FOR_TURN
+    return Reason.YIELD_TO if foe.conflict.must_yield else Reason.FOE_CANNOT_STOP
+
+
+def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Crossing) -> bool:
+    """Whether the foe may enter the region soon: its light lets it, and it does not just stand there."""
+    user = foe.user
+    if user.body.is_person or foe.to_stop_line < 0.0:
+        return True
+    if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):
+        return False
+    waits = user.speed < STANDING_SPEED and user.waiting_time > FOE_PATIENCE_S
+    if crossing.connection.control is Control.ALL_WAY_STOP and user.speed < STANDING_SPEED:
+        return user.waiting_time > memory.standing_for(snapshot.time) and not _waits_in_vain(foe, snapshot, memory)
+    if waits and memory.standing_for(snapshot.time) > FOE_PATIENCE_S:
+        return False
+    return True
+
+
+def _waits_in_vain(foe: Foe, snapshot: Snapshot, memory: PilotMemory) -> bool:
+    return memory.standing_for(snapshot.time) > FOE_PATIENCE_S and foe.user.waiting_time > 2.0 * FOE_PATIENCE_S
+
+
+def _gives_way(foe: Foe, own: Passing) -> bool:
+    """Whether the foe lets the ego go first and is still able to."""
+    conflict, user = foe.conflict, foe.user
+    if conflict.must_yield and not conflict.is_yielded_to:
+        return False
+    if conflict.must_yield and conflict.other.control is not Control.ALL_WAY_STOP:
+        return False
+    if foe.to_stop_line >= 0.0:
+        room = foe.to_stop_line
+    else:
+        wait = conflict.other.wait_at
+        if wait is None or wait > conflict.region.other.start + 1.0:
+            return False
+        room = wait + foe.to_stop_line
+    if not conflict.must_yield and not conflict.is_yielded_to and own.arrival > threat(foe).arrival:
+        return False
+    return user.speed * user.speed <= 2.0 * FOE_CAN_STOP_DECELERATION * max(room, 0.3)
+
+
+def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> float | None:
+    """Arc length at which to wait for a region: the line, the waiting place inside, else just before the region."""
+    passage, wait = crossing.passage, crossing.connection.wait_at
+    before = crossing.at(conflict.region.own.start) - REGION_MARGIN_M
+    places = [passage.start]
+    if wait is not None and crossing.at(wait) <= before + REGION_MARGIN_M + 1.0:
+        places.insert(0, crossing.at(wait))
+    if snapshot.front > passage.start:
+        places.insert(0, before)
+    stops = snapshot.front + snapshot.ego.speed**2 / (2.0 * limits.emergency_deceleration)
+    return next((place for place in places if place >= stops), None)
+
+
+def exit_is_blocked(crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits, conflicts: tuple[Conflict, ...]) -> str:
+    """Return who leaves no room behind the last region to be crossed (empty: nobody): the post-conflict region.
+
+    Where others may not be blocked, the ego enters only if it can clear the region without stopping in it.
+    """
+    crossed = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING]
+    if not crossed or not crossing.connection.keep_clear or snapshot.front > crossing.passage.start:
+        return ""
+    behind = crossing.at(max(crossed)) + limits.length
+    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
+    time = travel_time(behind - snapshot.front, snapshot.ego.speed, acceleration, crossing.pace)
+    for obstacle in snapshot.on_path:
+        rear = obstacle.start + max(obstacle.along, 0.0) * time
+        if obstacle.start > crossing.passage.start and abs(obstacle.across) <= max(obstacle.along, 1.0) and rear < behind:
+            return obstacle.user.id
+    return ""
+
+
+def crossings(snapshot: Snapshot, plan: NominalPlan, connections: Iterable[tuple[int, Connection]]) -> Iterator[Crossing]:
+    """Yield the passages that matter now."""
+    for index, connection in connections:
+        passage = plan.passages[index]
+        scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
+        first = max(0, int(max(passage.start, snapshot.s) / plan.curve.step))
+        last = max(first + 1, int(passage.end / plan.curve.step) + 1)
+        pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
+        yield Crossing(index, passage, connection, scale, max(pace, 1.0))

@@ -1,0 +1,99 @@
+"""Arrival and clearance times at a conflict region, and which gap is enough."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sumo_reactive.messages.snapshot import Foe
+from sumo_reactive.parameters import (
+    FOE_ACCELERATION,
+    FOLLOWER_DECELERATION,
+    GAP_AFTER_S,
+    GAP_BEFORE_S,
+    MERGE_GAP_S,
+    STANDING_SPEED,
+)
+from sumo_reactive.world.regions import ConflictKind
+
+
+def travel_time(distance: float, speed: float, acceleration: float, top_speed: float) -> float:
+    """Least time (s) to cover `distance` m from `speed`, with `acceleration` up to `top_speed`; 0 when behind."""
+    if distance <= 0.0:
+        return 0.0
+    if speed >= top_speed:
+        return distance / max(speed, 0.1)
+    to_top = (top_speed * top_speed - speed * speed) / (2.0 * acceleration)
+    if distance <= to_top:
+        return (math.sqrt(speed * speed + 2.0 * acceleration * distance) - speed) / acceleration
+    return (top_speed - speed) / acceleration + (distance - to_top) / top_speed
+
+
+class Passing(NamedTuple):
+    """When the ego is in a region if it goes on now: `arrival` and `clearance` of the region, s from now.
+
+    `merged`: when its rear has passed the region's start. `speed`: its speed then, m/s.
+    """
+
+    arrival: float
+    clearance: float
+    merged: float
+    speed: float
+
+
+class Threat(NamedTuple):
+    """When a foe is in the region: earliest `arrival`, `clearance`, `merged` (rear past the start), s from now."""
+
+    arrival: float
+    clearance: float
+    merged: float
+
+
+def passing(to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float) -> Passing:
+    """Foresee the ego's passage; ways in m from the front bumper (`to_clear`: until the rear is out)."""
+    slow = min(speed, top_speed)
+    merged = travel_time(to_region + length, slow, acceleration, top_speed)
+    return Passing(
+        arrival=travel_time(to_region, speed, acceleration, top_speed),
+        clearance=travel_time(to_clear, slow, acceleration, top_speed),
+        merged=merged,
+        speed=min(top_speed, slow + acceleration * merged),
+    )
+
+
+def threat(foe: Foe) -> Threat:
+    """Foresee a foe: it may speed up on the way to the region, and may keep its speed on the way out."""
+    user = foe.user
+    if user.body.is_person:
+        pace = max(user.speed, 0.5)
+        return Threat(max(foe.to_region, 0.0) / pace, foe.to_clear / pace, foe.to_clear / pace)
+    top = max(user.speed, min(foe.conflict.other.speed_limit, user.body.max_speed))
+    slow = max(user.speed, STANDING_SPEED)
+    to_merged = foe.to_region + user.body.length
+    return Threat(
+        arrival=travel_time(foe.to_region, user.speed, FOE_ACCELERATION, top),
+        clearance=foe.to_clear / slow,
+        merged=max(0.0, to_merged) / slow,
+    )
+
+
+def is_enough(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
+    """Whether the ego may pass before or after the foe; `patience` (0..1] scales the margins."""
+    if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
+        return _merges_before(own, foe, other, patience) or _merges_after(own, foe, other, patience)
+    before = own.clearance + GAP_BEFORE_S * patience < other.arrival
+    return before or other.clearance + GAP_AFTER_S * patience < own.arrival
+
+
+def _merges_before(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
+    """The foe behind must not brake harder than `FOLLOWER_DECELERATION` and keeps a gap."""
+    closing = max(0.0, foe.user.speed - own.speed)
+    to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(foe.user.speed, 1.0)
+    return own.merged + (MERGE_GAP_S + to_adapt) * patience < other.arrival
+
+
+def _merges_after(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
+    """The foe ahead has left the start of the common stretch, and the ego need not brake hard behind it."""
+    closing = max(0.0, own.speed - foe.user.speed)
+    to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(own.speed, 1.0)
+    return other.merged + (GAP_AFTER_S + to_adapt) * patience < own.arrival
