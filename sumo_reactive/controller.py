@@ -2,21 +2,123 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import NamedTuple
 
 from sumo_reactive.executor.executor import Execution, execute
-from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map_around
+from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map
 from sumo_reactive.messages.completed_plan import CompletedPlan
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
-from sumo_reactive.messages.traffic import Traffic
-from sumo_reactive.parameters import CONTROL_PERIOD_S, PAPER_CONTROL_PERIOD_S
+from sumo_reactive.messages.traffic import RoadUser, Traffic
+from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.perception.attention import conflicts_of, in_sight
 from sumo_reactive.perception.perceive import perceive
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.pilot import Ahead, decide
+from sumo_reactive.vehicle.bicycle import advance
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
+
+
+class Profile(Enum):
+    """`DEFAULT`: 81 commands, exact distances. `PAPER`: nine commands, bitmaps, δt = 0.5 s (F&L 1991, §4)."""
+
+    DEFAULT = "default"
+    PAPER = "paper"
+
+
+@dataclass(frozen=True)
+class Drive:
+    """All that one step hands to the next: the ego, its plan and place on it, the pilot's memory, the executor's map.
+
+    `last` is the execution whose command is held until simulation time `held_until` (s).
+    """
+
+    ego: VehicleState
+    plan: NominalPlan
+    s: float
+    memory: PilotMemory = PilotMemory()
+    valley: ValleyMap = NO_MAP
+    last: Execution | None = None
+    held_until: float = -math.inf
+
+
+class Step(NamedTuple):
+    """What a control step saw, decided and did, and where that leaves the ego."""
+
+    snapshot: Snapshot
+    completed: CompletedPlan
+    execution: Execution
+    drive: Drive
+
+
+@dataclass(frozen=True)
+class Controller:
+    """The paper's motion controller for one car in one world (F&L 1991, figure 1)."""
+
+    graph: RoadGraph
+    limits: VehicleLimits
+    profile: Profile = Profile.DEFAULT
+
+    def step(self, traffic: Traffic, drive: Drive, duration: float) -> Step:
+        """Drive for `duration` s: one control step, or as many as a coarse duration needs."""
+        longest = PAPER_CONTROL_PERIOD_S if self.profile is Profile.PAPER else CONTROL_PERIOD_S
+        parts = max(1, math.ceil(duration / longest - 1e-6))
+        period = duration / parts
+        step = self._once(traffic, drive, period)
+        for part in range(1, parts):
+            step = self._once(moved(traffic, part * period), step.drive, period)
+        return step
+
+    def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
+        snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s)
+        completed, memory = decide(snapshot, drive.plan, self._ahead(snapshot, drive.plan), drive.memory, self.limits)
+        if drive.last is not None and traffic.time < drive.held_until - 1e-6:
+            ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
+            execution = drive.last._replace(state=ego)
+            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=snapshot.s, memory=memory))
+        valley = self._valley(drive, snapshot)
+        nine = self.profile is Profile.PAPER
+        held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
+        execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
+        if held > period:
+            execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
+        after = Drive(execution.state, drive.plan, snapshot.s, memory, valley, execution, traffic.time + held)
+        return Step(snapshot, completed, execution, after)
+
+    def _ahead(self, snapshot: Snapshot, plan: NominalPlan) -> Ahead:
+        ids = ((i, plan.passages[i].connection_id) for i in in_sight(plan, snapshot.front, snapshot.ego.speed))
+        return tuple((i, self.graph.connections[name], conflicts_of(self.graph, name)) for i, name in ids)
+
+    def _valley(self, drive: Drive, snapshot: Snapshot) -> ValleyMap:
+        """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""
+        if self.profile is Profile.DEFAULT:
+            return NO_MAP
+        pose = snapshot.ego.pose
+        if len(drive.valley.bitmaps) and drive.valley.holds(pose.x, pose.y, MAP_MARGIN_M):
+            return drive.valley
+        return valley_map(drive.plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, snapshot.static)
+
+
+def moved(traffic: Traffic, duration: float) -> Traffic:
+    """Foresee the others `duration` s on: at constant speed along their heading."""
+    users = tuple(_moved(user, duration) for user in traffic.users)
+    return Traffic(traffic.time + duration, users, traffic.lights)
+
+
+def _moved(user: RoadUser, duration: float) -> RoadUser:
+    way = user.speed * duration
+    return user._replace(
+        x=user.x + way * math.cos(user.heading),
+        y=user.y + way * math.sin(user.heading),
+        lane_position=user.lane_position + way,
+    )
+
+
+def replanned(drive: Drive, plan: NominalPlan) -> Drive:
+    """Return the drive on a new plan, which begins at the ego's front axle."""
+    return replace(drive, plan=plan, s=0.0, valley=NO_MAP)

@@ -248,3 +248,30 @@ CAUTIOUS_AHEAD_M = 10.0
 
 TIME_TOLERANCE_S = 2.0
 """The ego slows down for a time constraint only if it would be earlier than this."""
+
+MAP_SIDE_M = 100.0
+"""Side l of the world window that a bitmap covers; a cell is l/500 = 0.2 m (F&L 1991, §4)."""
+
+MAP_MARGIN_M = 20.0
+"""A new bitmap is drawn when the ego comes this near to the rim."""
+
+LANES_REFRESH_M = 5.0
+"""The lanes in sight are chosen anew each time the ego has come this far."""
+
+ROUTE_REFRESH_S = 3.0
+"""Another vehicle's route is read anew after this long, for it may have been re-routed."""
+
+PERSON_DECELERATION = 5.0
+"""m/s²; a pedestrian stops within a step."""
+
+TELEPORT_GUARD_S = 5.0
+"""The ego ends its waiting time this long before SUMO would teleport it."""
+
+PLAN_RESERVE_M = 600.0
+"""C is prolonged when less than this is left of it and the goal is not on it (braking from 50 m/s takes 500 m)."""
+
+OFF_CURVE_M = 1.5
+"""An ego this far from C plans anew from where it is."""
+
+STRADDLE_M = 0.1
+"""A body nearer than this to a lane border is taken to reach over it."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.compilation import kernel
-from sumo_reactive.parameters import VALLEY_ATTRACTION, VALLEY_REPULSION
+from sumo_reactive.geometry.curve import Curve
+from sumo_reactive.parameters import MAP_SIDE_M, VALLEY_ATTRACTION, VALLEY_REPULSION
 
 Array = NDArray[np.float64]
 
@@ -66,7 +68,7 @@ def taxicab_transform(seeds: Array, cell: float) -> Array:
 def _drawn(x: Array, y: Array, x0: float, y0: float, cell: float, cells: int) -> Array:
     image = np.zeros((cells, cells))
     for k in range(len(x)):
-        i, j = int(round((y[k] - y0) / cell)), int(round((x[k] - x0) / cell))
+        i, j = round((y[k] - y0) / cell), round((x[k] - x0) / cell)
         if 0 <= i < cells and 0 <= j < cells:
             image[i, j] = 1.0
     return image
@@ -75,8 +77,8 @@ def _drawn(x: Array, y: Array, x0: float, y0: float, cell: float, cells: int) ->
 @kernel
 def map_potential(bitmap: Array, x: float, y: float, x0: float, y0: float, cell: float) -> float:
     """U_p of the cell that holds (x, y); the rim's value outside."""
-    i = min(max(int(round((y - y0) / cell)), 0), bitmap.shape[0] - 1)
-    j = min(max(int(round((x - x0) / cell)), 0), bitmap.shape[1] - 1)
+    i = min(max(round((y - y0) / cell), 0), bitmap.shape[0] - 1)
+    j = min(max(round((x - x0) / cell), 0), bitmap.shape[1] - 1)
     return bitmap[i, j]
 
 
@@ -91,3 +93,31 @@ def valley_bitmap(curve_x: Array, curve_y: Array, static: Array, x0: float, y0: 
     to_static = taxicab_transform(_drawn(static[:, 0], static[:, 1], x0, y0, cell, CELLS), cell)
     result: Array = VALLEY_ATTRACTION * distance + VALLEY_REPULSION * distance / np.maximum(to_static, cell)
     return result
+
+
+@kernel
+def rear_trace(x: Array, y: Array, heading: float, wheelbase: float) -> Array:
+    """Return (n, 2): the curve C_R that the rear axle traces while the front axle follows the samples, m.
+
+    `heading` is the body's at the first sample. The rear axle is drawn along the body (F&L 1991, §3.1).
+    """
+    out = np.empty((len(x), 2))
+    out[0, 0], out[0, 1] = x[0] - wheelbase * math.cos(heading), y[0] - wheelbase * math.sin(heading)
+    for i in range(1, len(x)):
+        dx, dy = x[i] - out[i - 1, 0], y[i] - out[i - 1, 1]
+        away = math.hypot(dx, dy)
+        out[i, 0], out[i, 1] = x[i] - wheelbase * dx / away, y[i] - wheelbase * dy / away
+    return out
+
+
+def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static: Array) -> ValleyMap:
+    """Return U₁ of F and R in a window of `MAP_SIDE_M` around the place at `s` of C; `heading` is the car's there."""
+    cell = MAP_SIDE_M / CELLS
+    x, y, _ = curve.at(s)
+    x0, y0 = x - 0.5 * MAP_SIDE_M, y - 0.5 * MAP_SIDE_M
+    arc = np.arange(max(0.0, s - wheelbase), min(curve.length, s + MAP_SIDE_M), 0.5 * cell)
+    samples = np.arange(len(curve.x)) * curve.step
+    fx, fy = np.interp(arc, samples, curve.x), np.interp(arc, samples, curve.y)
+    rear = rear_trace(fx, fy, heading, wheelbase)
+    bitmaps = np.stack([valley_bitmap(fx, fy, static, x0, y0, cell), valley_bitmap(rear[:, 0], rear[:, 1], static, x0, y0, cell)])
+    return ValleyMap(bitmaps, x0, y0, cell)

@@ -68,7 +68,7 @@ class NetFile:
         that enter and leave them, conflict regions for the connections from route edge to route edge, and the lanes
         from which others come to these regions. Raises NetworkError for an unknown edge.
         """
-        junctions = {end: self.junction(end) for end in dict.fromkeys(self._end_of(edge) for edge in edges)}
+        junctions = {end: self.junction(end) for end in dict.fromkeys(self.end_of(edge) for edge in edges)}
         connections = [connection for junction in junctions.values() for connection in junction.connections]
         opposite = {edge: other for edge in dict.fromkeys(edges) if (other := self._opposite_of(edge))}
         regions = self._regions_on(edges, junctions)
@@ -97,7 +97,8 @@ class NetFile:
             raise NetworkError(f"{self.path}: edge '{edge_id}' is inside a junction; a route holds normal edges")
         return edge
 
-    def _end_of(self, edge_id: str) -> str:
+    def end_of(self, edge_id: str) -> str:
+        """Return the junction that a normal edge leads to."""
         return self._normal_edge(edge_id).attrib["to"]
 
     def _edge_lanes(self, edges: Iterable[str], connections: Iterable[Connection]) -> dict[str, tuple[Lane, ...]]:
@@ -117,7 +118,7 @@ class NetFile:
         """Return the conflict regions of the connections from each route edge to the next."""
         regions: dict[str, tuple[ConflictRegion, ...]] = {}
         for edge, onward in dict.fromkeys(pairwise(edges)):
-            junction = junctions[self._end_of(edge)]
+            junction = junctions[self.end_of(edge)]
             owns = [c for c in junction.connections if (edge_id_of(c.from_lane), edge_id_of(c.to_lane)) == (edge, onward)]
             missing = [own for own in owns if own.id not in self._regions]
             if missing:

@@ -25,6 +25,11 @@ class NetUpstream:
         """Return the edge that a lane belongs to."""
         return edge_id_of(lane_id)
 
+    def ends_of(self, edge_id: str) -> tuple[str, str]:
+        """Return the junctions where an edge starts and ends."""
+        edge = self._raw.edge(edge_id).attrib
+        return edge["from"], edge["to"]
+
     def spine_length(self, lane_id: str) -> float:
         """Return the length of a lane's spine, m."""
         if lane_id not in self._lengths:

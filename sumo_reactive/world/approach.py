@@ -23,11 +23,18 @@ class Approach:
     edges: tuple[str, ...]
 
 
+Way = tuple[float, str, tuple[str, ...], frozenset[str]]
+"""Distance from a lane's end to the stop line (m), the lane, the edges behind it, the junctions passed on them."""
+
+
 class Upstream(Protocol):
     """What the search backwards along the lanes asks of a network."""
 
     def edge_of(self, lane_id: str) -> str:
         """Return the edge that a lane belongs to."""
+
+    def ends_of(self, edge_id: str) -> tuple[str, str]:
+        """Return the junctions where an edge starts and ends."""
 
     def spine_length(self, lane_id: str) -> float:
         """Return the length of a lane's spine, m."""
@@ -42,15 +49,16 @@ class Upstream(Protocol):
 def approaches_to(from_lane: str, to_edge: str, net: Upstream, horizon: float) -> tuple[Approach, ...]:
     """Return the approaches of the connection from `from_lane` to `to_edge`, nearest first.
 
-    A lane belongs to them if its end is less than `horizon` m from the stop line. Routes that pass an edge twice within
-    the horizon are left out.
+    A lane belongs to them if its end is less than `horizon` m from the stop line. Ways that pass a junction twice before
+    the stop line (turn around, drive round the block) are left out: no route does so, and they are many.
     """
     found: dict[tuple[str, tuple[str, ...]], float] = {}
-    queue: list[tuple[float, str, tuple[str, ...]]] = [(0.0, from_lane, (to_edge,))]
+    queue: list[Way] = [(0.0, from_lane, (to_edge,), frozenset(net.ends_of(net.edge_of(from_lane))[1:]))]
     while queue:
-        ahead, lane, onward = heapq.heappop(queue)
+        ahead, lane, onward, passed = heapq.heappop(queue)
         edge = net.edge_of(lane)
-        if edge in onward[:-1]:
+        start = net.ends_of(edge)[0]
+        if start in passed:
             continue
         for beside in (lane, *net.detours(lane, onward[0])):
             key = (beside, (edge, *onward))
@@ -58,8 +66,8 @@ def approaches_to(from_lane: str, to_edge: str, net: Upstream, horizon: float) -
             if found.get(key, math.inf) <= distance:
                 continue
             found[key] = distance
-            for item in _upstream(beside, distance, key[1], net, horizon, found):
-                heapq.heappush(queue, item)
+            for reached, before in _upstream(beside, distance, key[1], net, horizon, found):
+                heapq.heappush(queue, (reached, before, key[1], passed | {start}))
     ordered = sorted(found.items(), key=lambda item: item[1])
     return tuple(Approach(lane, distance, edges) for (lane, edges), distance in ordered)
 
@@ -71,8 +79,8 @@ def _upstream(
     net: Upstream,
     horizon: float,
     found: dict[tuple[str, tuple[str, ...]], float],
-) -> Iterator[tuple[float, str, tuple[str, ...]]]:
-    """Note the internal lanes that lead into `lane` and yield (distance, lane, edges) of the lanes before them."""
+) -> Iterator[tuple[float, str]]:
+    """Note the internal lanes that lead into `lane` and yield the lanes before them with their end's distance (m)."""
     if distance >= horizon:
         return
     for before, parts in net.arrivals(lane):
@@ -84,4 +92,4 @@ def _upstream(
             key = (part, edges)
             found[key] = min(reached, found.get(key, math.inf))
         if reached < horizon:
-            yield reached, before, edges
+            yield reached, before

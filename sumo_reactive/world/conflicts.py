@@ -92,7 +92,7 @@ def _touch(own: Connection, kind: ConflictKind) -> Any:
 
 
 def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any, lines: tuple[Any, Any]) -> ConflictRegion:
-    outline = shapely.get_coordinates(shapely.segmentize(overlap, REGION_STEP_M))
+    outline = shapely.points(shapely.get_coordinates(shapely.segmentize(overlap, REGION_STEP_M)))
     own_stretch = _stretch(lines[0], outline, kind)
     region_id = f"{own.id}|{other.id}"
     return ConflictRegion(
@@ -107,9 +107,9 @@ def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any
     )
 
 
-def _stretch(line: Any, outline: Points, kind: ConflictKind) -> Interval:
-    """Return the arc lengths (m) over which a body's cross-section meets the area with that `outline` (n, 2)."""
-    s = shapely.line_locate_point(line, shapely.points(outline))
+def _stretch(line: Any, outline: Any, kind: ConflictKind) -> Interval:
+    """Return the arc lengths (m) over which a body's cross-section meets the area that the points `outline` enclose."""
+    s = shapely.line_locate_point(line, outline)
     start = 0.0 if kind is ConflictKind.DIVERGING else float(s.min())
     end = float(line.length) if kind is ConflictKind.MERGING else float(s.max())
     return Interval(start, end)

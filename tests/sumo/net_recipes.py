@@ -65,5 +65,6 @@ def converted(folder: Path, nodes: str, edges: str, *options: str) -> Path:
     (folder / "n.edg.xml").write_text(edges)
     net = folder / "n.net.xml"
     inputs = ["-n", str(folder / "n.nod.xml"), "-e", str(folder / "n.edg.xml"), "-o", str(net)]
-    subprocess.run([checkBinary("netconvert"), *inputs, "--offset.disable-normalization", *options], check=True, capture_output=True)
+    command = [checkBinary("netconvert"), *inputs, "--offset.disable-normalization", *options]
+    subprocess.run(command, check=True, capture_output=True)
     return net

@@ -1,5 +1,7 @@
 """Networks as netconvert makes them, compared with what sumolib and SUMO say of them."""
 
+import itertools
+
 import libsumo
 import numpy as np
 import pytest
@@ -11,7 +13,8 @@ from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.world.junction import Control, Junction, Turn
 from sumo_reactive.world.regions import ConflictKind
 
-PEDESTRIANS = ("--sidewalks.guess", "--sidewalks.guess.min-speed", "1", "--crossings.guess", "--crossings.guess.speed-threshold", "20")
+SIDEWALKS = ("--sidewalks.guess", "--sidewalks.guess.min-speed", "1", "--sidewalks.guess.max-speed", "20")
+PEDESTRIANS = (*SIDEWALKS, "--crossings.guess", "--crossings.guess.speed-threshold", "20")
 KINDS = ("priority", "right_before_left", "allway_stop", "priority_stop", "traffic_light", "zipper", "unregulated")
 
 
@@ -31,14 +34,26 @@ def test_indices_and_right_of_way_agree_with_sumolib(tmp_path, kind, options):
     node = sumolib.net.readNet(str(net.path), withInternal=True, withPedestrianConnections=True).getNode("c")
     junction = net.junction("c")
     inside = node.getInternal()
-    assert [connection.parts[-1] for connection in junction.connections] == inside
-    if kind == "unregulated":
-        return
-    for i, own in enumerate(junction.connections):
-        assert own.index == i
-        for j in range(len(inside)):
+    assert [connection.parts[-1] for connection in junction.connections][: len(inside)] == inside
+    links = {node.getLinkIndex(link): link for link in links_into(node)}
+    for i, j in itertools.product(range(len(inside)), repeat=2):
+        assert junction.connections[i].id == named(links[i])
+        if kind != "unregulated":
             assert junction.right_of_way.in_conflict(i, j) == node.areFoes(i, j)
-            assert junction.right_of_way.must_yield(i, j) == node.forbids(j, i)
+            assert junction.right_of_way.must_yield(i, j) == node.forbids(links[j], links[i])
+
+
+def links_into(node):
+    """Yield sumolib's connections that lead into a node from outside or from a walking area."""
+    for edge in node.getIncoming():
+        for lane in edge.getLanes():
+            yield from lane.getOutgoing()
+
+
+def named(link) -> str:
+    """Return the id of one of sumolib's connections."""
+    ends = link.getFromLane().getID(), link.getToLane().getID()
+    return ends[1] if ends[0].startswith(":") else "->".join(ends)
 
 
 def test_crossings_are_connections_and_ways_onto_walking_areas_are_not(tmp_path):
@@ -54,9 +69,10 @@ def test_crossings_are_connections_and_ways_onto_walking_areas_are_not(tmp_path)
 
 def test_a_crossing_on_the_way_is_a_conflict_region_without_vehicle_approaches(tmp_path):
     graph = crossroads(tmp_path, "priority", 1, *PEDESTRIANS).build(["wc", "ce"])
-    ahead = [region for found in graph.regions.values() for region in found if graph.connections[region.other_id].is_crossing]
-    assert ahead
-    assert all(graph.approaches[region.other_id] == () for region in ahead)
+    others = {region.other_id for found in graph.regions.values() for region in found}
+    crossed = [other for other in others if graph.connections[other].is_crossing]
+    assert crossed
+    assert all(graph.approaches[other] == () for other in crossed)
 
 
 def test_sumo_lists_the_same_links(tmp_path):

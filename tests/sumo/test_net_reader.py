@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from net_recipes import MINIMAL
 
-from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.world.junction import Control, LightLink, Turn
 

@@ -12,9 +12,13 @@ class Roads:
     lengths: dict[str, float]
     ways: dict[str, list[tuple[str, tuple[str, ...]]]] = field(default_factory=dict)
     beside: dict[tuple[str, str], list[str]] = field(default_factory=dict)
+    ends: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     def edge_of(self, lane_id):
         return lane_id.rpartition("_")[0]
+
+    def ends_of(self, edge_id):
+        return self.ends.get(edge_id, (f"before {edge_id}", f"behind {edge_id}"))
 
     def spine_length(self, lane_id):
         return self.lengths[lane_id]
@@ -52,5 +56,17 @@ def test_a_lane_beside_that_does_not_lead_there_is_an_approach_too():
 
 
 def test_a_ring_road_is_searched_once_around():
-    roads = Roads({"a_0": 20.0, "b_0": 20.0}, {"a_0": [("b_0", ())], "b_0": [("a_0", ())]})
-    assert [found.edges for found in approaches_to("a_0", "z", roads, 200.0)] == [("a", "z"), ("b", "a", "z")]
+    ends = {"a": ("k", "j"), "b": ("j", "k")}
+    roads = Roads({"a_0": 20.0, "b_0": 20.0}, {"a_0": [("b_0", ())], "b_0": [("a_0", ())]}, ends=ends)
+    assert [found.edges for found in approaches_to("a_0", "z", roads, 200.0)] == [("a", "z")]
+
+
+def test_vehicles_that_would_turn_around_first_are_left_out():
+    ends = {"a": ("k", "j"), "-a": ("j", "k"), "b": ("m", "k")}
+    roads = Roads({"a_0": 20.0, "-a_0": 20.0, "b_0": 20.0}, {"a_0": [("-a_0", ()), ("b_0", ())]}, ends=ends)
+    assert [found.lane_id for found in approaches_to("a_0", "z", roads, 200.0)] == ["a_0", "b_0"]
+
+
+def test_a_connection_that_turns_around_has_approaches_itself():
+    ends = {"a": ("k", "j"), "-a": ("j", "k")}
+    assert approaches_to("a_0", "-a", Roads({"a_0": 20.0}, ends=ends), 200.0)

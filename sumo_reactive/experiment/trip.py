@@ -1,0 +1,156 @@
+"""One ego's trip through a running simulation: observe, control, place, step, verify; plan anew where needed."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+
+from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
+from sumo_reactive.messages.plan import LaneSegment, NominalPlan
+from sumo_reactive.messages.record import Scene, StepRecord
+from sumo_reactive.messages.traffic import Traffic
+from sumo_reactive.parameters import OFF_CURVE_M, PLAN_RESERVE_M
+from sumo_reactive.pilot.behaviours.cautious import letter_of
+from sumo_reactive.planner.lane_choice import choose_lanes
+from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.sumo.ego import Ego
+from sumo_reactive.sumo.ghosts import Ghosts
+from sumo_reactive.sumo.net_reader import NetFile
+from sumo_reactive.sumo.observer import Observer
+from sumo_reactive.sumo.route_window import RouteWindow
+from sumo_reactive.sumo.session import Session
+from sumo_reactive.sumo.straddling import lane_to_haunt
+from sumo_reactive.sumo.units import front_of
+
+
+class Trip:
+    """The ego from take-over to arrival; `scenes` yields one scene after each simulation step."""
+
+    def __init__(self, session: Session, ego_id: str, net: NetFile, profile: Profile) -> None:
+        self.ego = Ego(ego_id)
+        self.arrived = False
+        self._session = session
+        self._route = self.ego.route
+        graph = net.build(self._route.edges)
+        self._choice = choose_lanes(graph, self._route, self.ego.vehicle_class)
+        self._controller = Controller(graph, self.ego.limits, profile)
+        self._observer = Observer(ego_id)
+        self.ghosts = Ghosts(ego_id)
+        self._window = RouteWindow(ego_id, self._route.edges, net.end_of)
+        state = self.ego.take_over(session.step_length)
+        lane_id = self.ego.lane(state)
+        start = PlanStart(
+            state.pose, state.speed, 0.0, session.time, lane_id, self.ego.lane_position(graph, lane_id), 0, self.ego.speed_factor
+        )
+        self._drive = Drive(state, self._plan(start, 0), 0.0)
+
+    def scenes(self) -> Iterator[Scene]:
+        """Drive step by step until the ego arrives or the simulation ends."""
+        traffic = self._observe()
+        while not self.arrived and not self._session.is_over():
+            began = clock.perf_counter()
+            step = self._controller.step(traffic, self._drive, self._session.step_length)
+            control_us = 1e6 * (clock.perf_counter() - began)
+            self._place(step)
+            self._session.step()
+            lane_id = self.ego.lane(step.drive.ego)
+            self._drive = self._planned(step)
+            traffic = self._observe()
+            yield Scene(self._record(step, lane_id, control_us), traffic.users)
+            if self._has_arrived():
+                self._arrive()
+
+    def _observe(self) -> Traffic:
+        drive = self._drive
+        front = drive.s + self.ego.limits.front_overhang
+        return self._observer.observe(self._controller.graph, drive.plan, front, drive.ego.speed)
+
+    def _place(self, step: Step) -> None:
+        """Put the ego, and its ghost when it changes lanes, where the next simulation step shall end."""
+        drive, graph = step.drive, self._controller.graph
+        here = _segment(drive.plan, step.snapshot.front)
+        self._window.follow(here.route_index)
+        self.ego.place(drive.ego, step.completed.intent, self._session.step_length)
+        x, y = front_of(drive.ego.pose, self.ego.limits)
+        lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, step.snapshot.front, self.ego.limits)
+        if lane is None:
+            self.ghosts.hide()
+        else:
+            self.ghosts.show(lane, x, y, drive.ego.speed, self._route.edges[here.route_index :])
+
+    def _planned(self, step: Step) -> Drive:
+        """Return the drive, on a new plan where a lane change begins, C runs out or the ego has left it."""
+        drive, plan_now = step.drive, step.drive.plan
+        runs_out = plan_now.goal is None and plan_now.curve.length - drive.s < PLAN_RESERVE_M
+        if not step.completed.change_lane and not runs_out and abs(step.snapshot.d) < OFF_CURVE_M:
+            return drive
+        start = self._start(drive, step.snapshot.front)
+        return replanned(drive, self._plan(start, step.completed.change_lane))
+
+    def _start(self, drive: Drive, front: float) -> PlanStart:
+        here = _segment(drive.plan, front)
+        position = here.lane_offset + (front - here.start) / here.stretch
+        ego = drive.ego
+        return PlanStart(
+            ego.pose, ego.speed, ego.steering_angle, self._session.time, here.lane_id, position, here.route_index, self.ego.speed_factor
+        )
+
+    def _plan(self, start: PlanStart, change_now: int) -> NominalPlan:
+        graph, ego = self._controller.graph, self.ego
+        return plan(graph, self._route, ego.vehicle_class, ego.limits, start, change_now=change_now, choice=self._choice)
+
+    def _has_arrived(self) -> bool:
+        goal = self._drive.plan.goal
+        return goal is not None and self._drive.s + self.ego.limits.front_overhang + self._drive.ego.speed * self._session.step_length >= goal
+
+    def _arrive(self) -> None:
+        self.ghosts.hide()
+        self.ego.arrive()
+        self.arrived = True
+        self._session.step()
+
+    def _record(self, step: Step, lane_id: str, control_us: float) -> StepRecord:
+        drive, execution, completed = step.drive, step.execution, step.completed
+        x, y = front_of(drive.ego.pose, self.ego.limits)
+        leader = min(completed.leaders, key=lambda one: one.s, default=None)
+        return StepRecord(
+            time=self._session.time,
+            x=x,
+            y=y,
+            heading=drive.ego.pose.heading,
+            speed=drive.ego.speed,
+            acceleration=drive.ego.acceleration,
+            steering_angle=drive.ego.steering_angle,
+            lane_id=lane_id,
+            s=step.snapshot.s,
+            d=step.snapshot.d,
+            command_acceleration=execution.command.acceleration,
+            command_steering_rate=execution.command.steering_rate,
+            desired_speed=execution.desired_speed,
+            stop_s=completed.stop.s if completed.stop else float("nan"),
+            u=execution.potentials.total,
+            u1=execution.potentials.valley,
+            u2=execution.potentials.shadow,
+            u3=execution.potentials.velocity,
+            leader=leader.user_id if leader else "",
+            gap=leader.s - step.snapshot.front if leader else float("nan"),
+            behaviour=completed.behaviour.value,
+            emergency=execution.emergency,
+            light=self._light_crossed(step),
+            control_us=control_us,
+            decisions=completed.decisions,
+        )
+
+    def _light_crossed(self, step: Step) -> str:
+        """Return the letter of the light whose line the front bumper crosses in this step."""
+        front = step.snapshot.front
+        after = front + step.drive.ego.speed * self._session.step_length
+        for passage in step.completed.plan.passages:
+            if front <= passage.start < after:
+                return letter_of(self._controller.graph.connections[passage.connection_id], step.snapshot)
+        return ""
+
+
+def _segment(plan_now: NominalPlan, front: float) -> LaneSegment:
+    """Return the lane segment of C that holds the front bumper."""
+    return next((g for g in plan_now.segments if front < g.end), plan_now.segments[-1])

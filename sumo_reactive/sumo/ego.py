@@ -1,0 +1,128 @@
+"""The ego inside SUMO: take-over, placing, verification, arrival, release."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+
+import libsumo
+
+from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.messages.completed_plan import Intent
+from sumo_reactive.messages.state import VehicleState
+from sumo_reactive.parameters import STANDING_SPEED, TELEPORT_GUARD_S
+from sumo_reactive.sumo.trips import arrival_of
+from sumo_reactive.sumo.units import INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
+from sumo_reactive.sumo.vehicle_type import ROAD_CLASSES_EXCLUDED, limits_of
+from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.road_graph import RoadGraph
+from sumo_reactive.world.route import Route, ScheduledStop
+
+_REMOVE_ARRIVED = 2
+_GO_NEXT_SPEED = 0.05
+"""m/s; at an all-way stop it says "I go next"."""
+
+_NUDGE_SPEED = 0.2
+"""m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
+
+
+class Ego:
+    """One vehicle of a running simulation, moved from outside."""
+
+    def __init__(self, vehicle_id: str) -> None:
+        vehicle_class = libsumo.vehicle.getVehicleClass(vehicle_id)
+        if vehicle_class in ROAD_CLASSES_EXCLUDED:
+            raise ScenarioError(f"ego '{vehicle_id}' is not a road car: its class is '{vehicle_class}'")
+        self.id = vehicle_id
+        self.vehicle_class: str = vehicle_class
+        self.limits: VehicleLimits = limits_of(vehicle_id)
+        self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)
+        self.route = self._read_route()
+        self._standing = 0.0
+        self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
+
+    def take_over(self, step_length: float) -> VehicleState:
+        """Take the wheel at SUMO's exact pose and speed; return that state."""
+        vehicle, name = libsumo.vehicle, self.id
+        vehicle.setSpeedMode(name, 32)
+        vehicle.setLaneChangeMode(name, 0)
+        vehicle.setActionStepLength(name, step_length, True)
+        vehicle.setApparentDecel(name, self.limits.emergency_deceleration)
+        while vehicle.getStops(name):
+            if vehicle.isStopped(name):
+                vehicle.resume(name)
+            else:
+                vehicle.replaceStop(name, 0, "")
+        with contextlib.suppress(libsumo.TraCIException):  # no rerouting device
+            vehicle.setParameter(name, "device.rerouting.period", "0")
+        return self.observed()
+
+    def observed(self) -> VehicleState:
+        """Return the state that SUMO reports, the wheels straight."""
+        x, y = libsumo.vehicle.getPosition(self.id)
+        heading = heading_of(libsumo.vehicle.getAngle(self.id))
+        return VehicleState(pose_of(x, y, heading, self.limits), max(0.0, libsumo.vehicle.getSpeed(self.id)), 0.0)
+
+    def place(self, state: VehicleState, intent: Intent, duration: float) -> None:
+        """Announce the intent and command the state that the next simulation step ends in."""
+        x, y = front_of(state.pose, self.limits)
+        libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
+        libsumo.vehicle.moveToXY(self.id, "", -1, x, y, angle_of(state.pose.heading), KEEP_ROUTE_EXACT)
+
+    def _announced(self, speed: float, intent: Intent, duration: float) -> float:
+        if speed >= STANDING_SPEED:
+            self._standing = 0.0
+            return speed
+        self._standing += duration
+        if 0.0 < self._teleport_after < self._standing + TELEPORT_GUARD_S:
+            self._standing = 0.0
+            return _NUDGE_SPEED
+        if intent is Intent.GO_NEXT:
+            return _GO_NEXT_SPEED
+        return 0.0 if intent is Intent.YIELD else speed
+
+    def lane(self, state: VehicleState) -> str:
+        """Return the lane that SUMO maps the ego to ('' : none), after checking that it is where it was put."""
+        x, y = front_of(state.pose, self.limits)
+        try:
+            px, py = libsumo.vehicle.getPosition(self.id)
+        except libsumo.TraCIException as error:
+            raise SimulationError(f"SUMO has taken ego '{self.id}' off the road: {error}") from error
+        if math.hypot(px - x, py - y) > 0.01:
+            raise SimulationError(f"SUMO moved ego '{self.id}' to ({px:.2f}, {py:.2f}) instead of ({x:.2f}, {y:.2f})")
+        return str(libsumo.vehicle.getLaneID(self.id))
+
+    def lane_position(self, graph: RoadGraph, lane_id: str) -> float:
+        """Return the front's arc length on the spine of its lane, m."""
+        return float(libsumo.vehicle.getLanePosition(self.id)) * graph.lanes[lane_id].scale
+
+    def is_present(self) -> bool:
+        """Whether SUMO still has the ego."""
+        return self.id in libsumo.vehicle.getIDList()
+
+    def arrive(self) -> None:
+        """Take the ego off the road as arrived, so that SUMO's outputs hold its trip."""
+        libsumo.vehicle.remove(self.id, _REMOVE_ARRIVED)
+
+    def release(self) -> None:
+        """Give the ego back to SUMO's own driver."""
+        libsumo.vehicle.setSpeed(self.id, -1.0)
+        libsumo.vehicle.setSpeedMode(self.id, 31)
+        libsumo.vehicle.setLaneChangeMode(self.id, 1621)
+
+    def _read_route(self) -> Route:
+        index = max(0, libsumo.vehicle.getRouteIndex(self.id))
+        position, lane = arrival_of(self.id)
+        edges = tuple(libsumo.vehicle.getRoute(self.id)[index:])
+        return Route(edges, position, lane, tuple(_stop(s) for s in libsumo.vehicle.getStops(self.id) if s.lane))
+
+
+def _stop(data: object) -> ScheduledStop:
+    """Turn SUMO's stop data into a scheduled stop; a stop without duration or end lasts no time."""
+    duration, until = float(data.duration), float(data.until)  # type: ignore[attr-defined]
+    return ScheduledStop(
+        lane_id=data.lane,  # type: ignore[attr-defined]
+        position=float(data.endPos),  # type: ignore[attr-defined]
+        duration=duration if duration > INVALID / 2 and duration > 0.0 else 0.0,
+        until=until if until > 0.0 else None,
+    )

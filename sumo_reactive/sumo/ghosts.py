@@ -1,0 +1,71 @@
+"""Ghosts: stand-ins on a lane that the ego's body covers but SUMO does not map it to, so that others see it there."""
+
+from __future__ import annotations
+
+import contextlib
+
+import libsumo
+
+from sumo_reactive.sumo.units import KEEP_ROUTE_EXACT, angle_of
+from sumo_reactive.world.lane import Lane
+
+PREFIX = "reactive.ghost."
+"""Ids of ghosts begin with this; no figure counts them."""
+
+_VAPORIZED = 3
+_SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
+
+
+def is_ghost(vehicle_id: str) -> bool:
+    """Whether a vehicle id is a ghost's."""
+    return vehicle_id.startswith(PREFIX)
+
+
+class Ghosts:
+    """At most one ghost of the ego, created when it is needed and removed when it is not."""
+
+    def __init__(self, ego_id: str) -> None:
+        self._ego_id = ego_id
+        self._type = f"{PREFIX}type.{ego_id}"
+        self._made = 0
+        self._ghost = ""
+
+    @property
+    def made(self) -> int:
+        """How many ghosts have been created."""
+        return self._made
+
+    def show(self, lane: Lane, x: float, y: float, speed: float, edges: tuple[str, ...]) -> None:
+        """Put the ghost on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on."""
+        s, _ = lane.spine.project(x, y)
+        gx, gy = lane.spine.at(s)
+        if not self._ghost:
+            self._create(lane, s / lane.scale, speed, edges)
+        libsumo.vehicle.setSpeed(self._ghost, speed)
+        angle = angle_of(lane.spine.heading_at(s))
+        libsumo.vehicle.moveToXY(self._ghost, "", -1, gx, gy, angle, KEEP_ROUTE_EXACT)
+
+    def hide(self) -> None:
+        """Remove the ghost, if there is one."""
+        if self._ghost:
+            with contextlib.suppress(libsumo.TraCIException):  # SUMO has already taken it off the road
+                libsumo.vehicle.remove(self._ghost, _VAPORIZED)
+            self._ghost = ""
+
+    def _create(self, lane: Lane, position: float, speed: float, edges: tuple[str, ...]) -> None:
+        if not self._made:
+            self._make_type()
+        self._made += 1
+        self._ghost = f"{PREFIX}{self._ego_id}.{self._made}"
+        libsumo.route.add(self._ghost, edges)
+        libsumo.vehicle.add(
+            self._ghost, self._ghost, self._type, depart="now", departLane=str(lane.index),
+            departPos=str(round(position, 2)), departSpeed=str(round(speed, 2)),
+        )  # fmt: skip
+        libsumo.vehicle.setSpeedMode(self._ghost, 32)
+        libsumo.vehicle.setLaneChangeMode(self._ghost, 0)
+
+    def _make_type(self) -> None:
+        libsumo.vehicletype.copy(libsumo.vehicle.getTypeID(self._ego_id), self._type)
+        for device in _SILENT_DEVICES:
+            libsumo.vehicletype.setParameter(self._type, f"has.{device}.device", "false")

@@ -1,0 +1,30 @@
+"""Routes that pass a place twice: SUMO maps a moved vehicle to any pass, so it gets to know only the present one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import libsumo
+
+
+class RouteWindow:
+    """Keeps SUMO's route of the ego free of edges and junctions that occur twice."""
+
+    def __init__(self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str]) -> None:
+        self._ego_id = ego_id
+        self._edges = edges
+        self._ends = tuple(end_of(edge) for edge in edges)
+        self._needed = len(set(edges)) < len(edges) or len(set(self._ends)) < len(self._ends)
+        self._index = -1
+
+    def follow(self, index: int) -> None:
+        """Show SUMO the route from edge `index` on, up to where it would come to the same place again."""
+        if not self._needed or index == self._index:
+            return
+        self._index = index
+        last = index + 1
+        while last < len(self._edges) and self._edges[last] not in self._edges[index:last] and self._ends[last] not in self._ends[index:last]:
+            last += 1
+        name = f"reactive.route.{self._ego_id}.{index}"
+        libsumo.route.add(name, self._edges[index:last])
+        libsumo.vehicle.setRouteID(self._ego_id, name)
