@@ -275,3 +275,6 @@ OFF_CURVE_M = 1.5
 
 STRADDLE_M = 0.1
 """A body nearer than this to a lane border is taken to reach over it."""
+
+WAIT_SHIFT_M = 4.0
+"""A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""

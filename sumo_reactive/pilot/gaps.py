@@ -61,17 +61,17 @@ def passing(to_region: float, to_clear: float, length: float, speed: float, acce
     )
 
 
-def threat(foe: Foe) -> Threat:
-    """Foresee a foe: it may speed up on the way to the region, and may keep its speed on the way out."""
+def threat(foe: Foe, *, expects_ego: bool = False) -> Threat:
+    """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind."""
     user = foe.user
     if user.body.is_person:
         pace = max(user.speed, 0.5)
         return Threat(max(foe.to_region, 0.0) / pace, foe.to_clear / pace, foe.to_clear / pace)
-    top = max(user.speed, min(foe.conflict.other.speed_limit, user.body.max_speed))
+    top = user.speed if expects_ego else max(user.speed, min(foe.conflict.other.speed_limit, user.body.max_speed))
     slow = max(user.speed, STANDING_SPEED)
     to_merged = foe.to_region + user.body.length
     return Threat(
-        arrival=travel_time(foe.to_region, user.speed, FOE_ACCELERATION, top),
+        arrival=travel_time(foe.to_region, user.speed, FOE_ACCELERATION, max(top, STANDING_SPEED)),
         clearance=foe.to_clear / slow,
         merged=max(0.0, to_merged) / slow,
     )

@@ -16,6 +16,7 @@ from sumo_reactive.parameters import (
     MAX_ACCELERATION_IN_PLAN,
     REGION_MARGIN_M,
     STANDING_SPEED,
+    WAIT_SHIFT_M,
 )
 from sumo_reactive.pilot.behaviours.cautious import letter_of
 from sumo_reactive.pilot.gaps import Passing, is_enough, passing, threat, travel_time
@@ -75,10 +76,10 @@ def _objection(
         return None
     acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
     own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
-    other = threat(foe)
-    if _gives_way(foe, own) and not foe.user.body.is_person:
+    committed = _is_committed(foe.conflict, crossing, snapshot, limits)
+    if _gives_way(foe, own, committed):
         return None
-    committed = front > crossing.passage.start
+    other = threat(foe, expects_ego=committed)
     if is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0):
         return None
     figures = (
@@ -88,6 +89,14 @@ def _objection(
         ("foe_clearance_s", other.clearance),
     )
     return Objection(_reason(foe), foe, figures)
+
+
+def _is_committed(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> bool:
+    """Whether the ego is past the last place where it can wait for a region without standing in others' way."""
+    if snapshot.front <= crossing.passage.start:
+        return False
+    place = _waiting_place(conflict, crossing)
+    return place is None or place < _nearest_stop(snapshot, limits)
 
 
 def _reason(foe: Foe) -> Reason:
@@ -102,52 +111,65 @@ def _reason(foe: Foe) -> Reason:
 
 def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Crossing) -> bool:
     """Whether the foe may enter the region soon: its light lets it, and it does not just stand there."""
-    user = foe.user
-    if user.body.is_person or foe.to_stop_line < 0.0:
+    user, standing = foe.user, memory.standing_for(snapshot.time)
+    if user.body.is_person:
         return True
     if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):
         return False
-    waits = user.speed < STANDING_SPEED and user.waiting_time > FOE_PATIENCE_S
-    if crossing.connection.control is Control.ALL_WAY_STOP and user.speed < STANDING_SPEED:
-        return user.waiting_time > memory.standing_for(snapshot.time) and not _waits_in_vain(foe, snapshot, memory)
-    if waits and memory.standing_for(snapshot.time) > FOE_PATIENCE_S:
-        return False
-    return True
+    if user.speed >= STANDING_SPEED or foe.to_region <= 0.0:
+        return True
+    if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
+        in_vain = standing > FOE_PATIENCE_S and user.waiting_time > 2.0 * FOE_PATIENCE_S
+        return user.waiting_time > standing and not in_vain
+    return user.waiting_time <= FOE_PATIENCE_S or standing <= FOE_PATIENCE_S
 
 
-def _waits_in_vain(foe: Foe, snapshot: Snapshot, memory: PilotMemory) -> bool:
-    return memory.standing_for(snapshot.time) > FOE_PATIENCE_S and foe.user.waiting_time > 2.0 * FOE_PATIENCE_S
-
-
-def _gives_way(foe: Foe, own: Passing) -> bool:
-    """Whether the foe lets the ego go first and is still able to."""
+def _gives_way(foe: Foe, own: Passing, committed: bool) -> bool:
+    """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
     conflict, user = foe.conflict, foe.user
-    if conflict.must_yield and not conflict.is_yielded_to:
+    if user.body.is_person:
         return False
-    if conflict.must_yield and conflict.other.control is not Control.ALL_WAY_STOP:
+    all_way = conflict.other.control is Control.ALL_WAY_STOP
+    if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
         return False
-    if foe.to_stop_line >= 0.0:
-        room = foe.to_stop_line
-    else:
-        wait = conflict.other.wait_at
-        if wait is None or wait > conflict.region.other.start + 1.0:
-            return False
-        room = wait + foe.to_stop_line
-    if not conflict.must_yield and not conflict.is_yielded_to and own.arrival > threat(foe).arrival:
+    room = _room_to_wait(foe)
+    if room is None:
+        return False
+    unruled = not conflict.must_yield and not conflict.is_yielded_to
+    if unruled and not committed and own.arrival > threat(foe).arrival:
         return False
     return user.speed * user.speed <= 2.0 * FOE_CAN_STOP_DECELERATION * max(room, 0.3)
 
 
+def _room_to_wait(foe: Foe) -> float | None:
+    """The foe's way to the place where it would wait for the ego: its line, or inside; None when it has passed both."""
+    if foe.to_stop_line >= 0.0:
+        return foe.to_stop_line
+    wait = foe.conflict.other.wait_at
+    if wait is None or wait > foe.conflict.region.other.start + 1.0 or wait + foe.to_stop_line < -1.0:
+        return None
+    return max(wait + foe.to_stop_line, 0.0)
+
+
+def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
+    """Arc length of the place inside the junction where a turn may wait for a region; None when there is none."""
+    wait, start = crossing.connection.wait_at, conflict.region.own.start
+    if wait is None or start < wait - WAIT_SHIFT_M:
+        return None
+    return crossing.at(min(wait, start - REGION_MARGIN_M))
+
+
+def _nearest_stop(snapshot: Snapshot, limits: VehicleLimits) -> float:
+    return snapshot.front + snapshot.ego.speed**2 / (2.0 * limits.service_deceleration)
+
+
 def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> float | None:
-    """Arc length at which to wait for a region: the line, the waiting place inside, else just before the region."""
-    passage, wait = crossing.passage, crossing.connection.wait_at
-    before = crossing.at(conflict.region.own.start) - REGION_MARGIN_M
-    places = [passage.start]
-    if wait is not None and crossing.at(wait) <= before + REGION_MARGIN_M + 1.0:
-        places.insert(0, crossing.at(wait))
-    if snapshot.front > passage.start:
-        places.insert(0, before)
-    stops = snapshot.front + snapshot.ego.speed**2 / (2.0 * limits.emergency_deceleration)
+    """Arc length at which to wait for a region: the waiting place inside, the line, else just before the region."""
+    inside = _waiting_place(conflict, crossing)
+    places = [crossing.passage.start] if inside is None else [inside, crossing.passage.start]
+    if snapshot.front > crossing.passage.start:
+        places.append(crossing.at(conflict.region.own.start) - REGION_MARGIN_M)
+    stops = _nearest_stop(snapshot, limits)
     return next((place for place in places if place >= stops), None)
 
 
