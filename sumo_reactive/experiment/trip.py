@@ -72,7 +72,7 @@ class Trip:
         self._window.follow(here.route_index)
         self.ego.place(drive.ego, step.completed.intent, self._session.step_length)
         x, y = front_of(drive.ego.pose, self.ego.limits)
-        lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, step.snapshot.front, self.ego.limits)
+        lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, step.snapshot.s, self.ego.limits)
         if lane is None:
             self.ghosts.hide()
         else:

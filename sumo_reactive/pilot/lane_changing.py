@@ -43,9 +43,12 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> La
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:
     """Whether the lane goes on beside the other long enough to be left smoothly."""
-    needed = max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed)
     here = next((g for g in plan.segments if g.start <= snapshot.front < g.end), None)
-    return here is not None and not here.lane_id.startswith(":") and here.end - snapshot.front > min(needed, change.end - change.start)
+    if here is None or here.lane_id.startswith(":"):
+        return False
+    needed = max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed)
+    end = change.end if here.lane_id == change.from_lane else here.end
+    return end - snapshot.front > min(needed, change.end - change.start)
 
 
 def _blocker(snapshot: Snapshot, limits: VehicleLimits) -> str:

@@ -19,8 +19,8 @@ class RouteWindow:
 
     def follow(self, index: int) -> None:
         """Show SUMO the route from edge `index` on, up to where it would come to the same place again."""
-        if not self._needed or index == self._index:
-            return
+        if not self._needed or index == self._index or libsumo.vehicle.getRoadID(self._ego_id) != self._edges[index]:
+            return  # SUMO takes a route only on one of its edges
         self._index = index
         last = index + 1
         while last < len(self._edges) and self._edges[last] not in self._edges[index:last] and self._ends[last] not in self._ends[index:last]:

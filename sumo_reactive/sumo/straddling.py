@@ -10,14 +10,14 @@ from sumo_reactive.world.road_graph import RoadGraph
 
 
 def lane_to_haunt(
-    graph: RoadGraph, plan: NominalPlan, lane_id: str, x: float, y: float, front: float, limits: VehicleLimits
+    graph: RoadGraph, plan: NominalPlan, lane_id: str, x: float, y: float, s: float, limits: VehicleLimits
 ) -> Lane | None:
     """Return the lane beside `lane_id` that a change under way covers or is about to; None when there is none.
 
-    `x`, `y`: front bumper (m); `front`: its arc length on C. During the change both lanes must see the ego, and the old
+    `x`, `y`: front bumper (m); `s`: arc length of the front axle on C. During the change both lanes must see the ego, and the old
     one until the rear has left it.
     """
-    change = next((c for c in plan.lane_changes if c.start - limits.front_overhang <= front <= c.end + limits.length), None)
+    change = next((c for c in plan.lane_changes if c.start <= s <= c.end + limits.length), None)
     lane = graph.lanes.get(lane_id)
     if change is None or lane is None or lane.is_internal:
         return None
@@ -25,5 +25,5 @@ def lane_to_haunt(
     left, right = graph.neighbours(lane_id)
     on_new_lane = d * change.side < 0.0
     beside = (right if change.side > 0 else left) if on_new_lane else (left if change.side > 0 else right)
-    finished = on_new_lane and abs(d) + 0.5 * limits.width < 0.5 * lane.width - STRADDLE_M and front > change.end
+    finished = on_new_lane and abs(d) + 0.5 * limits.width < 0.5 * lane.width - STRADDLE_M and s > change.end
     return None if finished else beside

@@ -146,7 +146,7 @@ def _room_to_wait(foe: Foe) -> float | None:
     if foe.to_stop_line >= 0.0:
         return foe.to_stop_line
     wait = foe.conflict.other.wait_at
-    if wait is None or wait > foe.conflict.region.other.start + 1.0 or wait + foe.to_stop_line < -1.0:
+    if wait is None or wait > foe.conflict.region.other.start + WAIT_SHIFT_M or wait + foe.to_stop_line < -1.0:
         return None
     return max(wait + foe.to_stop_line, 0.0)
 

@@ -1,0 +1,1 @@
+"""Cars, curves and situations that several tests build on."""

@@ -1,0 +1,84 @@
+"""Curves with plans along them, and a car that drives them with the executor alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from helpers.cars import CAR
+from sumo_reactive.executor.executor import Execution, execute
+from sumo_reactive.geometry.curve import Curve
+from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Weights
+from sumo_reactive.messages.decision import Behaviour, Leader, StopAt
+from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
+from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.messages.state import Pose, VehicleState
+from sumo_reactive.messages.traffic import RoadUser
+from sumo_reactive.perception.perceive import locate
+from sumo_reactive.planner.time_constraints import speed_envelope
+
+STEP = 0.5
+WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
+NOTHING = np.empty((0, 2))
+
+
+def turning(lengths: Sequence[float], curvatures: Sequence[float]) -> Curve:
+    """Return a curve from the origin eastwards: stretches of constant curvature (1/m), integrated finely."""
+    fine = 0.005
+    kappa = np.concatenate([np.full(round(n / fine), k) for n, k in zip(lengths, curvatures, strict=True)])
+    heading = np.concatenate(([0.0], np.cumsum(kappa * fine)))
+    middle = 0.5 * (heading[1:] + heading[:-1])
+    x, y = (np.concatenate(([0.0], np.cumsum(f(middle) * fine))) for f in (np.cos, np.sin))
+    pick = slice(None, None, round(STEP / fine))
+    return Curve(x[pick], y[pick], heading[pick], np.append(kappa, kappa[-1])[pick], STEP)
+
+
+def straight(length: float = 400.0) -> Curve:
+    """Return a straight curve along the x axis."""
+    return turning([length], [0.0])
+
+
+def plan_along(curve: Curve, speed_limit: float = 13.9) -> NominalPlan:
+    """Return a plan on `curve` alone: no junction, no stop, no time that presses."""
+    envelope = speed_envelope(curve, np.full(len(curve.x), speed_limit), CAR)
+    return NominalPlan(curve, (), (), (), (), envelope, (TimeConstraint(curve.length, 0.0),), None)
+
+
+def on_curve(curve: Curve, front: float, speed: float) -> VehicleState:
+    """Return a car that stands along C with its front bumper at arc length `front`, wheels straight."""
+    x, y, heading = curve.at(front - CAR.front_overhang)
+    pose = Pose(x - CAR.wheelbase * math.cos(heading), y - CAR.wheelbase * math.sin(heading), heading)
+    return VehicleState(pose, speed, 0.0)
+
+
+def seen(state: VehicleState, plan: NominalPlan, s: float, users: Sequence[RoadUser] = (), static=NOTHING, time=0.0) -> Snapshot:
+    """Return what the executor needs to know of a car near arc length `s` of C and of the `users` around it."""
+    at, d = locate(state, plan, CAR, s)
+    boxes = np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in users]).reshape(-1, 6)
+    return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), (), (), {})
+
+
+def asked(plan: NominalPlan, stop: StopAt | None = None, leaders: tuple[Leader, ...] = (), weights=WEIGHTS) -> CompletedPlan:
+    """Return the plan with a stop and leaders, in normal driving."""
+    target = plan.time_constraints[0]
+    return CompletedPlan(plan, Behaviour.NORMAL, target, stop, leaders, weights, Intent.DRIVE, ())
+
+
+def driven(
+    plan: NominalPlan,
+    state: VehicleState,
+    completed: Callable[[float], CompletedPlan],
+    seconds: float,
+    period: float = 0.1,
+    **options,
+) -> Iterator[tuple[Snapshot, Execution]]:
+    """Yield each snapshot and the execution that follows it; `completed` is asked for the plan at each time."""
+    static = options.pop("static", NOTHING)
+    s, _ = locate(state, plan, CAR, 0.0)
+    for k in range(round(seconds / period)):
+        snapshot = seen(state, plan, s, static=static, time=k * period)
+        execution = execute(snapshot, completed(k * period), CAR, period, **options)
+        yield snapshot, execution
+        state, s = execution.state, snapshot.s

@@ -1,0 +1,31 @@
+"""The dimensions and limits of a car: valid at birth, and what follows from them."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from helpers.cars import CAR
+
+POSITIVE = [name for name in vars(CAR) if name != "front_overhang"]
+
+
+@pytest.mark.parametrize("name", POSITIVE)
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_a_limit_that_is_not_positive_and_finite_is_refused_by_name(name, value):
+    with pytest.raises(ValueError, match=name):
+        replace(CAR, **{name: value})
+
+
+@pytest.mark.parametrize("change", [{"front_overhang": -0.1}, {"wheelbase": 3.5}, {"front_overhang": 2.0}])
+def test_axles_that_do_not_fit_into_the_length_are_refused(change):
+    with pytest.raises(ValueError, match="length"):
+        replace(CAR, **change)
+
+
+def test_the_overhangs_and_the_wheelbase_make_up_the_length():
+    assert CAR.rear_overhang + CAR.wheelbase + CAR.front_overhang == pytest.approx(CAR.length)
+    assert CAR.front_to_rear_axle == pytest.approx(3.2)
+
+
+def test_the_largest_curvature_is_that_of_the_front_axle_at_full_lock():
+    assert CAR.max_curvature == pytest.approx(math.sin(0.65) / 2.4)
