@@ -138,10 +138,13 @@ STOP_LINE_MARGIN_M = 0.7
 HARD_STOP_MARGIN_M = 0.15
 """Distance to a line that no admissible command gives up."""
 
-PAPER_LATERAL_JERK = 3.0
-"""m/s³; bounds φ̇max of the nine commands at road speed."""
+MAX_LATERAL_JERK = 8.0
+"""m/s³; bounds φ̇max at road speed."""
 
-STEERING_GAIN = 2.0
+PAPER_LATERAL_JERK_SHARE = 0.4
+"""Of the lateral jerk, for commands that are held half a second."""
+
+STEERING_GAIN = 1.0
 """1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""
 
 # --- world model -----------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.parameters import COMFORT_JERK, PAPER_LATERAL_JERK
+from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_JERK_SHARE
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
@@ -27,20 +27,26 @@ class CommandGrid:
     steering_rates: Array
 
 
+def steering_rate_limit(limits: VehicleLimits, speed: float) -> float:
+    """φ̇max at `speed` (m/s): the car's own, or what keeps the lateral jerk v²φ̇/L bounded, rad/s."""
+    return min(limits.max_steering_rate, MAX_LATERAL_JERK * limits.wheelbase / max(speed, 1.0) ** 2)
+
+
 def paper_grid(limits: VehicleLimits, speed: float) -> CommandGrid:
     """The nine commands of the paper: {−v̇max, 0, +v̇max} × {−φ̇max, 0, +φ̇max} (F&L 1991, §3.2).
 
     Reading: φ̇max falls with the square of the speed so that one command cannot use up the centrifugal limit; with a
     constant φ̇max and δt = 0.5 s a car at road speed could not steer at all.
     """
-    lateral = PAPER_LATERAL_JERK * limits.wheelbase / max(speed, 1.0) ** 2
+    top = steering_rate_limit(limits, speed) * PAPER_LATERAL_JERK_SHARE
     return CommandGrid(
-        np.array([-limits.service_deceleration, 0.0, limits.max_acceleration]),
-        min(limits.max_steering_rate, lateral) * np.array([-1.0, 0.0, 1.0]),
+        np.array([-limits.service_deceleration, 0.0, limits.max_acceleration]), top * np.array([-1.0, 0.0, 1.0])
     )
 
 
-def fine_grid(limits: VehicleLimits, acceleration: float, wanted: float, steering: float, period: float) -> CommandGrid:
+def fine_grid(
+    limits: VehicleLimits, speed: float, acceleration: float, wanted: float, steering: float, period: float
+) -> CommandGrid:
     """A 9 × 9 grid that is fine where the ego is and reaches everything it can do.
 
     Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one as far as
@@ -51,8 +57,8 @@ def fine_grid(limits: VehicleLimits, acceleration: float, wanted: float, steerin
     best = min(max(wanted, acceleration - change), acceleration + change)
     hard = (limits.service_deceleration, 0.5 * (limits.service_deceleration + limits.emergency_deceleration))
     nodes = np.array([*near, best, -hard[0], -hard[1], -limits.emergency_deceleration])
-    rates = steering + limits.max_steering_rate * _STEERING_LEVELS
-    top = limits.max_steering_rate
+    top = steering_rate_limit(limits, speed)
+    rates = min(max(steering, -top), top) + top * _STEERING_LEVELS
     return CommandGrid(
         np.minimum(np.maximum(nodes, -limits.emergency_deceleration), limits.max_acceleration),
         np.minimum(np.maximum(rates, -top), top),

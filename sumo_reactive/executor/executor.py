@@ -55,23 +55,40 @@ class Execution(NamedTuple):
 
 
 def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
-    """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave (m/s)."""
-    plan, speed = completed.plan, snapshot.ego.speed
+    """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave (m/s).
+
+    It falls with the comfortable deceleration, or with the one that a stop or a leader needs if that is greater.
+    """
+    speed, front, comfort = snapshot.ego.speed, snapshot.front, limits.comfort_deceleration
+    best = max(_cruise(snapshot, completed, limits, period), speed - comfort * period)
+    if completed.stop is not None:
+        away = completed.stop.s - STOP_LINE_MARGIN_M - front
+        braking = max(comfort, _needed(speed, 0.0, away, limits))
+        best = min(best, max(stopping_speed(away, comfort, period), speed - braking * period))
+    for leader in completed.leaders:
+        gap = leader.s - front - limits.standstill_gap
+        braking = max(comfort, _needed(speed, leader.speed, gap, limits))
+        following = following_speed(gap, leader.speed, comfort, limits.time_headway)
+        best = min(best, max(following, speed - braking * period))
+    return max(best, 0.0)
+
+
+def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
+    """The speed that road and time constraint ask for, approached gently from below (m/s)."""
+    plan, speed, target = completed.plan, snapshot.ego.speed, completed.target
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
     road = float(plan.speed_limits[min(max(sample, 0), len(plan.speed_limits) - 1)])
-    target = completed.target
     left = target.time - snapshot.time - TIME_TOLERANCE_S
-    in_time = cruise_speed(speed, target.s - snapshot.front, left, road, limits.max_acceleration)
-    best = min(road, in_time)
-    if best > speed:
-        best = speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S)
-    if completed.stop is not None:
-        away = completed.stop.s - STOP_LINE_MARGIN_M - snapshot.front
-        best = min(best, stopping_speed(away, limits.comfort_deceleration, period))
-    for leader in completed.leaders:
-        gap = leader.s - snapshot.front - limits.standstill_gap
-        best = min(best, following_speed(gap, leader.speed, limits.comfort_deceleration, limits.time_headway))
-    return best
+    best = min(road, cruise_speed(speed, target.s - snapshot.front, left, road, limits.max_acceleration))
+    return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
+
+
+def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) -> float:
+    """Deceleration (m/s²) that reaches `final` speed within `distance` m, at most the emergency's."""
+    if speed <= final:
+        return 0.0
+    needed = (speed * speed - final * final) / (2.0 * max(distance, 0.1))
+    return min(needed, limits.emergency_deceleration)
 
 
 def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, period: float) -> float:
@@ -114,7 +131,7 @@ def execute(
         grid = paper_grid(limits, ego.speed)
     else:
         steering = steering_rate_of_curve(snapshot, completed, period)
-        grid = fine_grid(limits, ego.acceleration, (wanted - ego.speed) / period, steering, period)
+        grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
     room = room_to_brake(snapshot, completed)
     index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, wanted, valley)
     command = Command(

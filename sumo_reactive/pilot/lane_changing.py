@@ -36,8 +36,8 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> La
     if left > max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * speed):
         return LaneChanging()
     blocker = _blocker(snapshot, limits)
-    if not blocker and _has_room(snapshot, plan, change):
-        return LaneChanging(side=change.side)
+    if not blocker:
+        return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
     return LaneChanging(stop=StopAt(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker))
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-GUI_ONLY = frozenset(
+def _names(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+GUI_ONLY = _names(
     """
     alternative-net-file breakpoints delay demo disable-textures edgedata-files game game.mode gui-settings-file
     gui-testing gui-testing-debug gui-testing.setting-output osg-terrain osg-view quit-on-end registry-viewport
     selection-file start tracker-interval window-pos window-size
-    """.split()
+    """
 )
 """Section "GUI Only Options" of `sumo --help`, and the two that only sumo-gui builds with 3D know."""
 
@@ -24,14 +28,14 @@ SYNONYMS = {
 }  # fmt: skip
 """From the `synonymes` of `sumo --save-template`: those of options that are read or hold files."""
 
-INPUT_FILES = frozenset(
+INPUT_FILES = _names(
     """
     net-file route-files additional-files weight-files load-state fcd-output.filter-edges.input-file
     device.ssm.filter-edges.input-file device.fcd-replay.files astar.all-distances astar.landmark-distances phemlight-path
-    """.split()
+    """
 )
 
-OUTPUT_FILES = frozenset(
+OUTPUT_FILES = _names(
     """
     netstate-dump emission-output battery-output elechybrid-output chargingstations-output
     overheadwiresegments-output substations-output fcd-output person-fcd-output full-output queue-output vtk-output
@@ -40,7 +44,7 @@ OUTPUT_FILES = frozenset(
     stop-output collision-output edgedata-output lanedata-output statistic-output deadlock-output save-state.prefix
     save-state.files pedestrian.jupedsim.wkt pedestrian.jupedsim.py device.rerouting.output device.ssm.file
     device.toc.file log message-log error-log device.taxi.dispatch-algorithm.output device.taxi.idle-algorithm.output
-    """.split()
+    """
 )
 """Options of type FILE in `sumo --help`, and the two device files that SUMO resolves beside the configuration."""
 

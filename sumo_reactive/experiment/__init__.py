@@ -1,0 +1,1 @@
+"""One trial and what is made of it: scenario, verdicts, metrics, records."""

@@ -1,0 +1,83 @@
+"""What one trial came to: the ego's way, the figures of the judges, the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Override = tuple[str, str, str]
+"""Option, what the scenario says, what was used."""
+
+
+@dataclass(frozen=True, slots=True)
+class Collision:
+    """The ego's box and that of user `user_id` overlapped from `time` (s) on; `lane_id` is the ego's."""
+
+    time: float
+    user_id: str
+    lane_id: str
+
+    def __str__(self) -> str:
+        return f"collision with {self.user_id} at {self.time:.1f} s"
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """A rule that the ego broke at `time` (s): `kind` in words, `user_id` the one who suffered (empty: nobody)."""
+
+    time: float
+    kind: str
+    lane_id: str
+    user_id: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.kind}{f' of {self.user_id}' if self.user_id else ''} at {self.time:.1f} s"
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """One trial. Times are simulation seconds; `end_s` is when the ego arrived or the run ended.
+
+    `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
+    120 s"); `figures` hold units in their keys, wall-clock figures apart under `timing`.
+    """
+
+    scenario: str
+    ego: str
+    chosen: str
+    seed: int
+    step_length_s: float
+    profile: str
+    arrived: bool
+    ended: str
+    begin_s: float
+    departure_s: float
+    end_s: float
+    time_loss_s: float
+    distance_m: float
+    figures: Mapping[str, float | int | None]
+    timing: Mapping[str, float] = field(default_factory=dict)
+    collisions: tuple[Collision, ...] = ()
+    violations: tuple[Violation, ...] = ()
+    overrides: tuple[Override, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    ghosts: int = 0
+    emergencies: int = 0
+
+    @property
+    def duration_s(self) -> float:
+        """Time from departure to the end, s."""
+        return self.end_s - self.departure_s
+
+    @property
+    def exit_code(self) -> int:
+        """0: arrived without a collision or violation; else 1."""
+        return 0 if self.arrived and not self.collisions and not self.violations else 1
+
+    @property
+    def verdict(self) -> str:
+        """The reason for the exit code in one line."""
+        faults = [str(fault) for fault in (*self.collisions, *self.violations)]
+        if not self.arrived:
+            faults.insert(0, f"did not arrive ({self.ended})")
+        return "; ".join(faults) if faults else "arrived without a violation"

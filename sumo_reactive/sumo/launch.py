@@ -1,0 +1,115 @@
+"""How SUMO is started on a configuration: without a window, with what keeps harm visible and runs repeatable."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from xml.etree.ElementTree import Element, ElementTree, SubElement
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.sumo.config import SumoConfig, is_true, seconds_of
+from sumo_reactive.sumo.option_names import GUI_ONLY, INPUT_FILES, OUTPUT_FILES, SPECIAL_FILES, canonical
+
+MAX_STEP_LENGTH_S = 1.0
+DEFAULT_STEP_LENGTH_S = 0.1
+"""Used where the scenario steps coarser and nobody asks otherwise."""
+
+Override = tuple[str, str, str]
+"""Option, what the scenario says (SUMO's default where it says nothing), what is used."""
+
+OVERRIDES = {
+    "collision.action": ("warn", "teleport"),
+    "collision.check-junctions": ("true", "false"),
+    "collision.mingap-factor": ("0", "-1"),
+    "ignore-junction-blocker": ("-1", "-1"),
+    "random": ("false", "false"),
+}
+"""Option: (value used, SUMO's default). What would hide harm, or make two runs differ."""
+
+_LOGS = ("no-warnings", "verbose", "log", "error-log", "message-log")
+_FOR_SHOW = re.compile(r"poly|poi|view|gui|background|decal", re.IGNORECASE)
+"""Names of additional files that only draw something."""
+
+
+def runnable_config(config: SumoConfig, folder: Path) -> tuple[Path, tuple[Override, ...]]:
+    """Return a configuration that SUMO runs without a window, and what it leaves out.
+
+    That is the file itself, or a copy in `folder` where it has options that only a window needs, or names missing files
+    that only draw something. A missing file of any other kind raises ScenarioError.
+    """
+    gui = {name: value for name, value in config.options.items() if name in GUI_ONLY}
+    missing = [file for file in config.additional_files if not file.exists()]
+    for file in missing:
+        if not _FOR_SHOW.search(file.name):
+            raise ScenarioError(f"{file}: no such file (additional-files of {config.path})")
+    if not gui and not missing:
+        return config.path, ()
+    copy = folder / "runnable.sumocfg"
+    _written(config, gui, missing).write(copy, encoding="utf-8", xml_declaration=True)
+    left_out = [(name, value, "left out") for name, value in gui.items()]
+    return copy, (*left_out, *(("additional-files", str(file), "left out: missing") for file in missing))
+
+
+def _written(config: SumoConfig, gui: Mapping[str, str], missing: Sequence[Path]) -> ElementTree[Element]:
+    root = Element("configuration")
+    for name, value in config.options.items():
+        kept = value
+        if name == "additional-files":
+            kept = ",".join(str(file) for file in config.additional_files if file not in missing)
+        elif name in INPUT_FILES or name in OUTPUT_FILES:
+            kept = ",".join(_absolute(config.path.absolute().parent, part.strip()) for part in value.split(","))
+        if name not in gui and (kept or name != "additional-files"):
+            SubElement(root, name, {"value": kept})
+    return ElementTree(root)
+
+
+def _absolute(folder: Path, name: str) -> str:
+    is_socket = re.fullmatch(r"[^/\\]+:\d+", name) is not None
+    if not name or name.lower() in SPECIAL_FILES or is_socket or name.startswith("${"):
+        return name
+    return str(folder / name)
+
+
+def chosen_step_length(config: SumoConfig, asked: float | None) -> float:
+    """Return the step length to use, s: as asked, else the scenario's own or 0.1 s, whichever is finer."""
+    if asked is None:
+        return min(config.step_length_s, DEFAULT_STEP_LENGTH_S)
+    milliseconds = 1000.0 * asked
+    if not 0.0 < asked <= MAX_STEP_LENGTH_S or abs(milliseconds - round(milliseconds)) > 1e-6:
+        raise ScenarioError(
+            f"{config.path}: impossible step length {asked:g} s: it is whole milliseconds, at most {MAX_STEP_LENGTH_S:g} s"
+        )
+    return asked
+
+
+def sumo_arguments(
+    config: SumoConfig, runnable: Path, *, seed: int, step_length_s: float, sumo_options: Sequence[str] = ()
+) -> tuple[list[str], tuple[Override, ...]]:
+    """Return the arguments to start SUMO with, and each override that changes what the scenario says.
+
+    `sumo_options` go last, unchanged; an option named there is the user's, not ours.
+    """
+    given = {canonical(option.lstrip("-").partition("=")[0]) for option in sumo_options if option.startswith("-")}
+    ours = {name: used for name, (used, _) in OVERRIDES.items()} | {"seed": str(seed), "step-length": f"{step_length_s:g}"}
+    defaults = {name: default for name, (_, default) in OVERRIDES.items()} | {"seed": str(seed), "step-length": "1"}
+    ours = {name: used for name, used in ours.items() if name not in given}
+    said = {name: config.options.get(name, defaults[name]) for name in ours}
+    changed = tuple((name, said[name], used) for name, used in ours.items() if not _same(said[name], used))
+    arguments = ["--configuration-file", str(runnable)]
+    for name, used in (ours | _silence(config, given)).items():
+        arguments += [f"--{name}", used]
+    return [*arguments, *sumo_options], changed
+
+
+def _silence(config: SumoConfig, given: set[str]) -> dict[str, str]:
+    """Return options that keep SUMO's log off the terminal, where neither scenario nor user says otherwise."""
+    quiet = {} if any(name in config.options or name in given for name in _LOGS) else {"no-warnings": "true"}
+    return quiet if "no-step-log" in given else {"no-step-log": "true", **quiet}
+
+
+def _same(text: str, other: str) -> bool:
+    try:
+        return seconds_of(text) == seconds_of(other)
+    except ValueError:
+        return text.strip().lower() == other or (is_true(text) and is_true(other))

@@ -1,0 +1,75 @@
+"""The exact collision test (F&L 1991, §3.2)."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from helpers.cars import CAR
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from sumo_reactive.executor.collision import boxes_overlap, braking_collides
+from sumo_reactive.geometry.footprint import Footprint
+
+boxes = st.tuples(st.floats(-6, 6), st.floats(-6, 6), st.floats(-4, 4), st.floats(0.5, 12), st.floats(0.3, 3))
+
+
+def polygon(x: float, y: float, heading: float, length: float, width: float) -> shapely.Polygon:
+    """A box about its centre."""
+    front = 0.5 * length
+    return shapely.Polygon(Footprint(x + front * math.cos(heading), y + front * math.sin(heading), heading, length, width).corners())
+
+
+@given(boxes, boxes)
+def test_two_boxes_overlap_where_their_polygons_do(one, other):
+    a, b = polygon(*one), polygon(*other)
+    shared = a.intersection(b).area
+    assume(shared > 1e-9 or a.distance(b) > 1e-9)
+    assert boxes_overlap(*one, *other) == (shared > 1e-9)
+
+
+def test_boxes_that_only_touch_do_not_overlap():
+    assert not boxes_overlap(0.0, 0.0, 0.0, 4.0, 2.0, 4.0, 0.0, 0.0, 4.0, 2.0)
+    assert not boxes_overlap(0.0, 0.0, 0.0, 4.0, 2.0, 0.0, 2.0, 0.0, 4.0, 2.0)
+
+
+def collides(speed: float, *others: tuple[float, ...], horizon: float = 10.0) -> bool:
+    """Whether an ego with its rear axle at the origin, braking with 9 m/s² from now on, hits one of the others."""
+    return braking_collides(
+        0.0, 0.0, 0.0, speed, 0.0, CAR.wheelbase, CAR.front_to_rear_axle, CAR.length, CAR.width, 9.0,
+        np.array(others).reshape(-1, 6), 0.0, horizon, 0.1,
+    )  # fmt: skip
+
+
+def wall(distance: float, length: float = 1.0) -> tuple[float, ...]:
+    """A broad thing that stands across the road, `distance` m before the front bumper."""
+    return (CAR.front_to_rear_axle + distance + length, 0.0, 0.0, 0.0, length, 6.0)
+
+
+@pytest.mark.parametrize("speed", [5.0, 10.0, 20.0])
+def test_braking_ends_before_what_is_farther_than_the_braking_distance(speed):
+    """Steps of 0.1 s cover up to v · 0.05 s more than v² / 2a."""
+    way = speed**2 / (2.0 * 9.0)
+    assert not collides(speed, wall(way + 0.1 * speed))
+    assert collides(speed, wall(way - 0.5))
+
+
+def test_a_car_that_drives_on_ahead_is_not_hit():
+    assert not collides(15.0, (CAR.front_to_rear_axle + 2.0 + 4.7, 0.0, 0.0, 15.0, 4.7, 1.8))
+
+
+def test_a_car_that_has_crossed_by_then_is_not_hit():
+    crossing = (CAR.front_to_rear_axle + 5.0, -1.0, 0.5 * math.pi, 15.0, 4.7, 1.8)
+    assert not collides(9.0, crossing)
+    assert collides(9.0, (*crossing[:3], 0.0, *crossing[4:]))
+
+
+def test_what_runs_into_the_rear_or_into_a_standing_ego_is_the_others_business():
+    assert not collides(5.0, (-CAR.rear_overhang - 0.5, 0.0, 0.0, 20.0, 4.7, 1.8))
+    assert not collides(0.0, (CAR.front_to_rear_axle + 3.0, 0.0, math.pi, 10.0, 4.7, 1.8))
+
+
+def test_nothing_beyond_the_horizon_counts():
+    assert collides(20.0, wall(15.0))
+    assert not collides(20.0, wall(15.0), horizon=0.5)
