@@ -29,11 +29,6 @@ class SumoConfig:
     is_mesoscopic: bool
 
 
-def is_config(path: Path) -> bool:
-    """Whether a file is XML whose root is a SUMO configuration."""
-    return _root(path).tag in ROOT_TAGS
-
-
 def read_config(path: Path) -> SumoConfig:
     """Read a SUMO configuration; raise ScenarioError or NetworkError if SUMO could not run it or the ego not drive in it."""
     options = _options(path)

@@ -114,6 +114,8 @@ class Ego:
         index = max(0, libsumo.vehicle.getRouteIndex(self.id))
         position, lane = arrival_of(self.id)
         edges = tuple(libsumo.vehicle.getRoute(self.id)[index:])
+        if position is not None and position < 0.0:  # counted from the end of the lane
+            position = max(0.0, position + float(libsumo.lane.getLength(f"{edges[-1]}_0")))
         return Route(edges, position, lane, tuple(_stop(s) for s in libsumo.vehicle.getStops(self.id) if s.lane))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+
 def _names(text: str) -> frozenset[str]:
     return frozenset(text.split())
 

@@ -1,0 +1,67 @@
+"""The jury: all judges, one look a step."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from sumo_reactive.experiment.metrics.collisions import Collisions
+from sumo_reactive.experiment.metrics.comfort import Comfort
+from sumo_reactive.experiment.metrics.hard_braking import HardBraking
+from sumo_reactive.experiment.metrics.moment import Figures, Moment, Watch
+from sumo_reactive.experiment.metrics.post_encroachment import PostEncroachment
+from sumo_reactive.experiment.metrics.red_lights import RedLights
+from sumo_reactive.experiment.metrics.right_of_way import RightOfWay
+from sumo_reactive.experiment.metrics.time_to_collision import TimeToCollision
+from sumo_reactive.experiment.metrics.timing import Timing
+from sumo_reactive.experiment.result import Collision, Violation
+from sumo_reactive.messages.record import Scene
+from sumo_reactive.world.road_graph import RoadGraph
+
+
+class _Judge(Protocol):
+    def see(self, moment: Moment) -> None: ...
+    def figures(self) -> Figures: ...
+
+
+class Jury:
+    """Judges a trip of an ego of the given size (m); without `graph` nobody judges the right of way."""
+
+    def __init__(self, length_m: float, width_m: float, wheelbase_m: float, graph: RoadGraph | None = None) -> None:
+        self._watch = Watch(length_m, width_m)
+        self._collisions, self._red_lights, self._right_of_way = Collisions(), RedLights(), RightOfWay(graph)
+        self._timing = Timing()
+        self._judges: tuple[_Judge, ...] = (
+            self._collisions,
+            self._red_lights,
+            self._right_of_way,
+            TimeToCollision(),
+            PostEncroachment(length_m, width_m),
+            HardBraking(),
+            Comfort(wheelbase_m),
+        )
+
+    def see(self, scene: Scene) -> None:
+        """Judge one step."""
+        moment = self._watch.moment(scene)
+        for judge in self._judges:
+            judge.see(moment)
+        self._timing.see(moment)
+
+    def figures(self) -> Figures:
+        """Return every figure that the same seed gives again, units in the keys."""
+        return {name: value for judge in self._judges for name, value in judge.figures().items()}
+
+    def timing(self) -> dict[str, float]:
+        """Return the wall-clock figures."""
+        return self._timing.figures()
+
+    @property
+    def collisions(self) -> tuple[Collision, ...]:
+        """Every collision, in order of time."""
+        return tuple(self._collisions.collisions)
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """Red lights run and rights of way taken, in order of time."""
+        found = (*self._red_lights.violations, *self._right_of_way.violations)
+        return tuple(sorted(found, key=lambda violation: violation.time))

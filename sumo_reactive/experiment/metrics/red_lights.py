@@ -1,0 +1,25 @@
+"""Red lights run."""
+
+from __future__ import annotations
+
+from sumo_reactive.experiment.metrics.moment import Figures, Moment
+from sumo_reactive.experiment.result import Violation
+
+NO_GO = frozenset("rRu")
+"""Red, and red with yellow; "s" (stop, then go) is not among them."""
+
+
+class RedLights:
+    """Counts stop lines crossed under a letter that forbids it."""
+
+    def __init__(self) -> None:
+        self.violations: list[Violation] = []
+
+    def see(self, moment: Moment) -> None:
+        """Note a crossing on red."""
+        if moment.step.light in NO_GO and moment.step.light:
+            self.violations.append(Violation(moment.step.time, "red light run", moment.step.lane_id))
+
+    def figures(self) -> Figures:
+        """Return the number of red lights run."""
+        return {"red_lights_run": len(self.violations)}

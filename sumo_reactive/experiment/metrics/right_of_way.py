@@ -1,0 +1,113 @@
+"""Right-of-way violations: the ego stands or drives where another should have gone first, and the other suffers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sumo_reactive.experiment.metrics.moment import Figures, Moment
+from sumo_reactive.experiment.result import Violation
+from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.messages.traffic import RoadUser
+from sumo_reactive.world.junction import Connection
+from sumo_reactive.world.regions import ConflictRegion
+from sumo_reactive.world.road_graph import RoadGraph
+
+OBSTRUCTED_BRAKING = -3.0
+"""m/s²; who has priority and brakes harder is obstructed (comfortable braking is 2 to 3)."""
+
+NEAR_MISS_S = 1.0
+"""A time to collision below this counts as nearly touching."""
+
+APPROACH_M = 50.0
+"""A vehicle this close to its stop line is about to use the junction: its braking distance at 16 m/s and 2.5 m/s²."""
+
+MOVING_SPEED = 0.5
+"""m/s; who stands is not obstructed by being where it is."""
+
+
+class RightOfWay:
+    """Counts users that the ego obstructs, each once per junction passage.
+
+    A user is obstructed when all of this holds: the ego's box is inside a conflict region; the ego's connection yields to
+    the user's there, and not the user's to the ego's (so "right before left" counts, an all-way stop does not); the user
+    is before or in the region, inside the junction, or, where no light rules (a light's letter may be why it brakes),
+    within 50 m of its stop line on the way to that connection; it moves; and it brakes harder than 3 m/s² or the time to
+    collision with the ego is below 1 s.
+    """
+
+    def __init__(self, graph: RoadGraph | None) -> None:
+        self.violations: list[Violation] = []
+        self._graph = graph
+        self._own: Connection | None = None
+        self._obstructed: set[str] = set()
+
+    def see(self, moment: Moment) -> None:
+        """Note who is newly obstructed."""
+        if self._graph is None:
+            return
+        own = self._graph.connection_of.get(moment.step.lane_id)
+        if own is not None and own is not self._own:
+            self._own, self._obstructed = own, set()
+        if self._own is None or not moment.users:
+            return
+        for k, user in enumerate(moment.users):
+            suffers = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING or moment.contacts[k, 1] < NEAR_MISS_S
+            if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
+                self._judge(self._graph, self._own, user, moment)
+
+    def figures(self) -> Figures:
+        """Return the number of users obstructed."""
+        return {"right_of_way_violations": len(self.violations)}
+
+    def _judge(self, graph: RoadGraph, own: Connection, user: RoadUser, moment: Moment) -> None:
+        for region, other in _lost(graph, own):
+            if _claims(graph, other, region, user) and _covers(moment, region.polygon):
+                self._obstructed.add(user.id)
+                step = moment.step
+                self.violations.append(Violation(step.time, "right of way taken", step.lane_id, user.id))
+                return
+
+
+def _lost(graph: RoadGraph, own: Connection) -> Iterator[tuple[ConflictRegion, Connection]]:
+    """Yield the regions on `own` where another connection goes first, with that connection."""
+    rule = graph.junctions[own.junction_id].right_of_way
+    for region in graph.regions.get(own.id, ()):
+        other = graph.connections.get(region.other_id)
+        if other and rule.must_yield(own.index, other.index) and not rule.must_yield(other.index, own.index):
+            yield region, other
+
+
+def _claims(graph: RoadGraph, other: Connection, region: ConflictRegion, user: RoadUser) -> bool:
+    """Whether `user` is on its way by `other` through the region."""
+    inside = graph.connection_of.get(user.lane_id)
+    if inside is not None:
+        return inside is other and other.path.project(user.x, user.y)[0] - user.body.length < region.other.end
+    lane, target = graph.lanes.get(other.from_lane), graph.lanes.get(other.to_lane)
+    if other.light or lane is None or target is None or user.lane_id != lane.id:
+        return False
+    return target.edge_id in user.route[1:2] and lane.length - user.lane_position < APPROACH_M
+
+
+def _covers(moment: Moment, polygon: Points) -> bool:
+    """Whether the ego's box covers part of `polygon`: a vertex inside the box, or the box's middle line inside it."""
+    step = moment.step
+    c, s = math.cos(step.heading), math.sin(step.heading)
+    offset = polygon - (step.x, step.y)
+    ahead, aside = offset @ (c, s), offset @ (-s, c)
+    if bool(np.any((ahead < 0.0) & (ahead > -moment.length) & (np.abs(aside) < 0.5 * moment.width))):
+        return True
+    back = np.linspace(0.0, moment.length, 10)[:, None]
+    return bool(_inside((step.x, step.y) - back * (c, s), polygon).any())
+
+
+def _inside(points: Points, polygon: Points) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Return for each point (n, 2) whether it lies in `polygon` (k, 2): an odd number of sides to its right."""
+    (ax, ay), (bx, by) = polygon.T, np.roll(polygon, -1, axis=0).T
+    x, y = points[:, :1], points[:, 1:]
+    spans = (ay > y) != (by > y)
+    rise = np.where(by == ay, 1.0, by - ay)
+    crossed = spans & (x < ax + (y - ay) / rise * (bx - ax))
+    return np.asarray(crossed.sum(axis=1) % 2 == 1)
