@@ -281,3 +281,15 @@ STRADDLE_M = 0.1
 
 WAIT_SHIFT_M = 4.0
 """A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
+
+LANE_CHANGE_CLEAR_M = 40.0
+"""With nobody nearer than this ahead on the other lane, the ego can speed up there."""
+
+URGENT_REACTION_S = 0.15
+"""Time headway that is left at the last place for a change…"""
+
+URGENT_FOLLOWER_DECELERATION = 3.5
+"""…and the braking (m/s²) asked of the follower there; 4.5 is what SUMO's default car does in normal driving."""
+
+SLOT_HEADWAY_S = 0.4
+"""Time headway to the vehicle on the other lane behind which the ego falls in."""

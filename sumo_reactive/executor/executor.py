@@ -19,6 +19,7 @@ from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
     HARD_STOP_MARGIN_M,
     SAFE_GAP_M,
+    SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
     STEERING_GAIN,
     STOP_LINE_MARGIN_M,
@@ -70,6 +71,10 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
         braking = max(comfort, _needed(speed, leader.speed, gap, limits))
         following = following_speed(gap, leader.speed, comfort, limits.time_headway)
         best = min(best, max(following, speed - braking * period))
+    if completed.slot is not None:
+        gap = completed.slot.s - front - limits.standstill_gap
+        following = following_speed(gap, completed.slot.speed, comfort, SLOT_HEADWAY_S)
+        best = min(best, max(following, speed - comfort * period))
     return max(best, 0.0)
 
 

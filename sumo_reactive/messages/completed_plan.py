@@ -31,7 +31,8 @@ class CompletedPlan:
     """P⁺: what the executor tracks until the pilot says otherwise.
 
     `target` is the next (l, t_l); `stop` the nearest place to stop at; `leaders` every vehicle to stay behind;
-    `change_lane` asks the planner for a curve that begins the change now (+1 left, −1 right, 0 none).
+    `change_lane` asks the planner for a curve that begins the change now (+1 left, −1 right, 0 none); `slot` is the
+    vehicle on the other lane to fall in behind, which bounds the desired speed but no safety.
     """
 
     plan: NominalPlan
@@ -43,3 +44,4 @@ class CompletedPlan:
     intent: Intent
     decisions: tuple[Decision, ...]
     change_lane: int = 0
+    slot: Leader | None = None

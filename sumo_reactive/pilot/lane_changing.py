@@ -4,26 +4,35 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.messages.decision import Leader, Reason, StopAt
 from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Neighbour, Snapshot
 from sumo_reactive.parameters import (
     FOLLOWER_DECELERATION,
+    LANE_CHANGE_CLEAR_M,
     LANE_CHANGE_DURATION_S,
     LANE_CHANGE_GAP_M,
     LANE_CHANGE_LOOK_AHEAD_M,
     LANE_CHANGE_LOOK_AHEAD_S,
     LANE_CHANGE_REACTION_S,
+    MAX_ACCELERATION_IN_PLAN,
     MIN_LANE_CHANGE_LENGTH_M,
+    URGENT_FOLLOWER_DECELERATION,
+    URGENT_REACTION_S,
 )
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 
 class LaneChanging(NamedTuple):
-    """What to do about the next lane change: begin it now to `side` (0: not now), or stop at the latest by `stop`."""
+    """What to do about the next lane change.
+
+    Begin it now to `side` (0: not now), stop at the latest by `stop`, and meanwhile stay behind `slot`, the vehicle on
+    the other lane that the ego will follow.
+    """
 
     side: int = 0
     stop: StopAt | None = None
+    slot: Leader | None = None
 
 
 def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> LaneChanging:
@@ -33,12 +42,25 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> La
         return LaneChanging()
     speed = snapshot.ego.speed
     left = change.start - snapshot.front
-    if left > max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * speed):
+    horizon = max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * speed)
+    if left > horizon:
         return LaneChanging()
-    blocker = _blocker(snapshot, limits)
+    urgency = min(1.0, max(0.0, 1.0 - left / horizon))
+    blocker = _blocker(snapshot, limits, urgency)
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
-    return LaneChanging(stop=StopAt(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker))
+    stop = StopAt(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
+    return LaneChanging(stop=stop, slot=_slot(snapshot, limits))
+
+
+def _slot(snapshot: Snapshot, limits: VehicleLimits) -> Leader | None:
+    """Return the vehicle on the other lane that the ego will follow: the nearest whose front is ahead of its own."""
+    ahead = [n for n in snapshot.neighbours if n.ahead >= 0.0]
+    if not ahead:
+        return None
+    nearest = min(ahead, key=lambda n: n.ahead)
+    rear = snapshot.front + nearest.ahead - nearest.user.body.length + limits.standstill_gap
+    return Leader(nearest.user.id, rear, nearest.user.speed, nearest.user.body.emergency_deceleration)
 
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:
@@ -51,22 +73,28 @@ def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool
     return end - snapshot.front > min(needed, change.end - change.start)
 
 
-def _blocker(snapshot: Snapshot, limits: VehicleLimits) -> str:
+def _blocker(snapshot: Snapshot, limits: VehicleLimits, urgency: float) -> str:
     """Return who leaves no gap on the other lane; empty when the gap is free."""
+    free_ahead = all(n.ahead < 0.0 or n.ahead > LANE_CHANGE_CLEAR_M for n in snapshot.neighbours)
+    gains = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration) if free_ahead else 0.0
     for neighbour in snapshot.neighbours:
-        if not _leaves_gap(neighbour, snapshot.ego.speed, limits.length):
+        if not _leaves_gap(neighbour, snapshot.ego.speed, limits.length, urgency, gains):
             return neighbour.user.id
     return ""
 
 
-def _leaves_gap(neighbour: Neighbour, speed: float, length: float) -> bool:
-    """Whether the one ahead need not be braked for, and the one behind need not brake hard."""
+def _leaves_gap(neighbour: Neighbour, speed: float, length: float, urgency: float, gains: float) -> bool:
+    """Whether the one ahead need not be braked for, and the one behind need not brake hard.
+
+    `urgency` (0..1) trades comfort for the change; `gains` (m/s²) is how the ego speeds up on the other lane.
+    """
     other = neighbour.user
+    reaction = LANE_CHANGE_REACTION_S + urgency * (URGENT_REACTION_S - LANE_CHANGE_REACTION_S)
+    braking = FOLLOWER_DECELERATION + urgency * (URGENT_FOLLOWER_DECELERATION - FOLLOWER_DECELERATION)
     if neighbour.ahead >= 0.0:
-        gap, closing = neighbour.ahead - other.body.length, speed - other.speed
-        pace = speed
+        gap, closing, pace = neighbour.ahead - other.body.length, speed - other.speed, speed
     else:
-        gap, closing = -neighbour.ahead - length, other.speed - speed
-        pace = other.speed
-    braking = max(0.0, closing) ** 2 / (2.0 * FOLLOWER_DECELERATION)
-    return gap > LANE_CHANGE_GAP_M + LANE_CHANGE_REACTION_S * pace + braking
+        gap, closing, pace = -neighbour.ahead - length, other.speed - speed, other.speed
+        braking += gains
+    needed = LANE_CHANGE_GAP_M + reaction * pace + max(0.0, closing) ** 2 / (2.0 * braking)
+    return gap > needed - urgency * 0.5 * LANE_CHANGE_GAP_M

@@ -50,6 +50,7 @@ def decide(
         target=_target(snapshot, plan),
         stop=nearest,
         leaders=ahead_of_ego,
+        slot=changing.slot,
         weights=_WEIGHTS[behaviour],
         intent=_intent(snapshot, nearest),
         decisions=tuple(d for _, d in candidates),

@@ -1,0 +1,54 @@
+"""The trajectory table: one row a step, one column a field of the record, units in the names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import duckdb
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.messages.record import StepRecord
+
+COLUMNS = {
+    "time": "time_s",
+    "x": "x_m",
+    "y": "y_m",
+    "heading": "heading_rad",
+    "speed": "speed_m_s",
+    "acceleration": "acceleration_m_s2",
+    "steering_angle": "steering_angle_rad",
+    "lane_id": "lane_id",
+    "s": "s_m",
+    "d": "d_m",
+    "command_acceleration": "command_acceleration_m_s2",
+    "command_steering_rate": "command_steering_rate_rad_s",
+    "desired_speed": "desired_speed_m_s",
+    "stop_s": "stop_m",
+    "u": "u",
+    "u1": "u1",
+    "u2": "u2",
+    "u3": "u3",
+    "leader": "leader",
+    "gap": "gap_m",
+    "behaviour": "behaviour",
+    "emergency": "emergency",
+    "light": "light",
+    "control_us": "control_us",
+}
+"""Column of each field of `StepRecord`; decisions have a file of their own."""
+
+_TYPES: dict[str, type] = {"lane_id": object, "leader": object, "behaviour": object, "light": object, "emergency": np.bool_}
+
+
+def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
+    """Write `steps` as a Parquet file; NaN becomes NULL."""
+    table: dict[str, NDArray[Any]] = {
+        column: np.array([getattr(step, field) for step in steps], dtype=_TYPES.get(field, np.float64))
+        for field, column in COLUMNS.items()
+    }
+    with duckdb.connect() as database:
+        database.register("steps", table)
+        database.table("steps").write_parquet(str(path))

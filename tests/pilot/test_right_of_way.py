@@ -1,0 +1,201 @@
+"""Who goes first, on the project's own junctions: every case a hand-placed picture (F&L 1991, §2, rules)."""
+
+import pytest
+from helpers.situations import before
+
+from sumo_reactive.messages.completed_plan import Intent
+from sumo_reactive.messages.decision import Behaviour, Reason
+
+WEST_EAST, EAST_WEST = ("from_west", "to_east"), ("from_east", "to_west")
+NORTH_SOUTH, SOUTH_NORTH, SOUTH_WEST = ("from_north", "to_south"), ("from_south", "to_north"), ("from_south", "to_west")
+
+
+def on(ego, route, position, speed, waiting=0.0, lane=0):
+    """A car named after the road that it comes from."""
+    return ego.other(route[0], f"{route[0]}_{lane}", position, speed, route, waiting)
+
+
+# --- priority road --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("route", [WEST_EAST, EAST_WEST])
+@pytest.mark.parametrize(("away", "speed"), [(15.0, 13.0), (25.0, 13.0)])
+def test_the_minor_road_yields_to_a_near_car_on_the_major_road(route, away, speed):
+    ego = before("four_way_priority", SOUTH_WEST, 1.0, 0.0)
+    completed = ego.step(on(ego, route, -away, speed)).completed
+    assert (completed.stop.reason, completed.stop.cause, completed.stop.s) == (Reason.YIELD_TO, route[0], ego.line)
+    assert completed.intent is Intent.YIELD
+
+
+@pytest.mark.parametrize("route", [WEST_EAST, EAST_WEST])
+def test_the_minor_road_yields_to_a_car_that_could_stop_but_need_not(route):
+    """At 13 m/s a car is 3.5 s away; the ego needs longer to clear the road from a standing start."""
+    ego = before("four_way_priority", SOUTH_WEST, 1.0, 0.0)
+    assert ego.stop(on(ego, route, -45.0, 13.0)) is not None
+
+
+def test_the_minor_road_goes_when_the_gap_is_large():
+    ego = before("four_way_priority", SOUTH_WEST, 1.0, 0.0)
+    assert ego.stop(on(ego, WEST_EAST, -140.0, 13.0), on(ego, EAST_WEST, -140.0, 13.0)) is None
+
+
+def test_the_minor_road_goes_behind_a_car_that_has_passed():
+    ego = before("four_way_priority", SOUTH_NORTH, 1.0, 0.0)
+    assert ego.stop(ego.other("passed", "to_east_0", 8.0, 13.0, ("to_east",))) is None
+
+
+def test_the_ego_on_the_major_road_does_not_wait_for_a_car_that_must_yield():
+    ego = before("four_way_priority", WEST_EAST, 30.0, 13.0)
+    assert ego.stop(on(ego, SOUTH_NORTH, -1.0, 0.0, 5.0), on(ego, NORTH_SOUTH, -15.0, 6.0)) is None
+
+
+def test_the_ego_brakes_for_a_car_that_should_yield_but_can_no_longer_stop():
+    ego = before("four_way_priority", WEST_EAST, 40.0, 13.0)
+    stop = ego.stop(on(ego, SOUTH_NORTH, -8.0, 13.0))
+    assert (stop.reason, stop.cause) == (Reason.FOE_CANNOT_STOP, "from_south")
+
+
+# --- permissive left turn -------------------------------------------------------------------------------------------
+
+GREEN = {"centre": "GGgrrrGGgrrr"}
+ONLY_EGO_GREEN = {"centre": "rrrrrrGGgrrr"}
+
+
+def test_a_left_turn_on_the_yielding_green_waits_for_oncoming_traffic():
+    ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
+    stop = ego.stop(on(ego, NORTH_SOUTH, -25.0, 13.0), lights=GREEN)
+    assert (stop.reason, stop.cause) == (Reason.YIELD_TO, "from_north")
+    assert stop.s >= ego.line
+
+
+def test_a_left_turn_does_not_wait_for_oncoming_traffic_that_has_red():
+    ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
+    assert ego.stop(on(ego, NORTH_SOUTH, -45.0, 10.0), on(ego, NORTH_SOUTH, -1.0, 0.0, 9.0), lights=ONLY_EGO_GREEN) is None
+
+
+def test_a_left_turn_waits_for_an_oncoming_car_that_runs_the_fresh_red():
+    ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
+    assert ego.stop(on(ego, NORTH_SOUTH, -12.0, 13.0), lights=ONLY_EGO_GREEN) is not None
+
+
+def test_a_left_turn_goes_when_oncoming_traffic_is_far():
+    ego = before("signalised_left_turns", SOUTH_WEST, 2.0, 4.0, lane=1)
+    assert ego.stop(on(ego, NORTH_SOUTH, -150.0, 13.0), lights=GREEN) is None
+
+
+def test_oncoming_left_turners_pass_each_other():
+    ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
+    other = ego.other("turner", "from_north_1", -8.0, 6.0, ("from_north", "to_east"))
+    assert ego.stop(other, lights=GREEN) is None
+
+
+# --- right before left ----------------------------------------------------------------------------------------------
+
+
+def test_without_signs_the_car_from_the_right_goes_first():
+    ego = before("right_before_left", SOUTH_NORTH, 12.0, 6.0)
+    stop = ego.stop(on(ego, EAST_WEST, -12.0, 7.0))
+    assert (stop.reason, stop.cause) == (Reason.YIELD_TO, "from_east")
+
+
+def test_without_signs_the_car_from_the_left_waits():
+    ego = before("right_before_left", SOUTH_NORTH, 12.0, 6.0)
+    assert ego.stop(on(ego, WEST_EAST, -15.0, 6.0)) is None
+
+
+# --- all-way stop ---------------------------------------------------------------------------------------------------
+
+
+def test_at_an_all_way_stop_the_ego_stops_fully_although_nobody_is_there():
+    ego = before("all_way_stop", WEST_EAST, 30.0, 9.0)
+    assert ego.stop().reason is Reason.STOP_SIGN
+    trace = [(step.snapshot.front, step.snapshot.ego.speed) for step in ego.driven(14.0)]
+    assert min(speed for front, speed in trace if front < ego.line) < 0.1
+    assert trace[-1][0] > ego.line + 5.0
+
+
+@pytest.mark.parametrize("route", [NORTH_SOUTH, SOUTH_NORTH])
+def test_at_an_all_way_stop_who_stopped_before_goes_first(route):
+    ego = before("all_way_stop", WEST_EAST, 1.0, 0.0).having_stood(1.0)
+    completed = ego.step(on(ego, route, -1.0, 0.0, waiting=2.5)).completed
+    assert (completed.stop.reason, completed.stop.cause) == (Reason.WAIT_FOR_TURN, route[0])
+    assert completed.intent is Intent.GO_NEXT
+
+
+@pytest.mark.parametrize("route", [NORTH_SOUTH, SOUTH_NORTH])
+def test_at_an_all_way_stop_the_ego_goes_before_who_stopped_later(route):
+    ego = before("all_way_stop", WEST_EAST, 1.0, 0.0).having_stood(2.5)
+    assert ego.stop(on(ego, route, -1.0, 0.0, waiting=1.0)) is None
+
+
+def test_at_an_all_way_stop_the_ego_goes_before_who_still_approaches():
+    ego = before("all_way_stop", WEST_EAST, 1.0, 0.0).having_stood(1.0)
+    assert ego.stop(on(ego, NORTH_SOUTH, -20.0, 8.0)) is None
+
+
+# --- regions --------------------------------------------------------------------------------------------------------
+
+
+def inside(ego, connection, at, speed, to):
+    return ego.other("inside", ego.graph.connections[connection].parts[0], at, speed, (to,))
+
+
+@pytest.mark.parametrize("route", [WEST_EAST, SOUTH_NORTH], ids=["with priority", "without"])
+def test_a_region_that_somebody_stands_in_is_not_entered(route):
+    crossing = SOUTH_NORTH if route == WEST_EAST else WEST_EAST
+    ego = before("four_way_priority", route, 12.0, 5.0)
+    stop = ego.stop(inside(ego, f"{crossing[0]}_0->{crossing[1]}_0", 9.0, 0.0, crossing[1]))
+    assert (stop.reason, stop.cause) == (Reason.REGION_OCCUPIED, "inside")
+    assert stop.s <= ego.line + 1e-9
+
+
+@pytest.mark.parametrize("route", [SOUTH_NORTH, WEST_EAST], ids=["minor road", "major road"])
+def test_the_ego_waits_at_the_line_while_there_is_no_room_behind_the_junction(route):
+    ego = before("four_way_priority", route, 15.0, 6.0)
+    stop = ego.stop(ego.other("queue", f"{route[1]}_0", 6.0, 0.0, (route[1],), 20.0))
+    assert (stop.reason, stop.cause, stop.s) == (Reason.EXIT_BLOCKED, "queue", ego.line)
+
+
+def test_the_ego_enters_when_the_queue_leaves_room_for_it():
+    ego = before("four_way_priority", SOUTH_NORTH, 15.0, 6.0)
+    assert ego.stop(ego.other("queue", "to_north_0", 20.0, 0.0, ("to_north",), 20.0)) is None
+
+
+def test_the_ego_follows_a_car_that_drives_on_behind_the_junction():
+    ego = before("four_way_priority", SOUTH_NORTH, 15.0, 6.0)
+    assert ego.stop(ego.other("ahead", "to_north_0", 8.0, 10.0, ("to_north",))) is None
+
+
+def test_a_blocked_exit_is_waited_for_until_it_is_free():
+    ego = before("four_way_priority", SOUTH_NORTH, 25.0, 8.0)
+    queue = ego.other("queue", "to_north_0", 6.0, 0.0, ("to_north",), 20.0)
+    steps = ego.driven(10.0, queue)
+    assert steps[-1].drive.ego.speed < 0.05
+    assert max(step.snapshot.front for step in steps) < ego.line
+    assert ego.step(drive=steps[-1].drive, time=110.0).drive.ego.speed > 0.0
+
+
+# --- what the pilot says it does ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("away", "behaviour"), [(140.0, Behaviour.NORMAL), (20.0, Behaviour.CAUTIOUS)], ids=["far", "near"]
+)
+def test_the_approach_is_driven_cautiously(away, behaviour):
+    assert before("four_way_priority", SOUTH_NORTH, away, 8.0).step().completed.behaviour is behaviour
+
+
+def test_inside_the_junction_the_ego_crosses():
+    ego = before("four_way_priority", SOUTH_NORTH, 10.0, 8.0)
+    step = next(step for step in ego.driven(6.0) if step.snapshot.front > ego.line + 2.0)
+    assert step.completed.behaviour is Behaviour.CROSSING
+
+
+def test_every_stop_carries_its_decision_with_the_times_that_it_rests_on():
+    ego = before("four_way_priority", SOUTH_WEST, 1.0, 0.0)
+    completed = ego.step(on(ego, WEST_EAST, -15.0, 13.0)).completed
+    decision = next(d for d in completed.decisions if d.reason is Reason.YIELD_TO)
+    figures = dict(decision.figures)
+    assert decision.cause == "from_west"
+    assert decision.region == completed.stop.region
+    assert figures["foe_arrival_s"] < figures["clearance_s"] + 1.0
