@@ -21,6 +21,7 @@ from sumo_reactive.sumo.route_window import RouteWindow
 from sumo_reactive.sumo.session import Session
 from sumo_reactive.sumo.straddling import lane_to_haunt
 from sumo_reactive.sumo.units import front_of
+from sumo_reactive.world.road_graph import RoadGraph
 
 
 class Trip:
@@ -29,6 +30,10 @@ class Trip:
     def __init__(self, session: Session, ego_id: str, net: NetFile, profile: Profile) -> None:
         self.ego = Ego(ego_id)
         self.arrived = False
+        self.departure = self.end = session.time
+        self.step_length = session.step_length
+        self.distance = self.time_loss = 0.0
+        self.emergencies = 0
         self._session = session
         self._route = self.ego.route
         graph = net.build(self._route.edges)
@@ -47,18 +52,31 @@ class Trip:
     def scenes(self) -> Iterator[Scene]:
         """Drive step by step until the ego arrives or the simulation ends."""
         traffic = self._observe()
+        self._controller.step(traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
         while not self.arrived and not self._session.is_over():
             began = clock.perf_counter()
-            step = self._controller.step(traffic, self._drive, self._session.step_length)
+            step = self._controller.step(traffic, self._drive, self.step_length)
             control_us = 1e6 * (clock.perf_counter() - began)
             self._place(step)
             self._session.step()
             lane_id = self.ego.lane(step.drive.ego)
+            self._count(step)
             self._drive = self._planned(step)
             traffic = self._observe()
             yield Scene(self._record(step, lane_id, control_us), traffic.users)
             if self._has_arrived():
                 self._arrive()
+
+    @property
+    def graph(self) -> RoadGraph:
+        """The world around the route."""
+        return self._controller.graph
+
+    def _count(self, step: Step) -> None:
+        self.end = self._session.time
+        self.distance += step.drive.ego.speed * self.step_length
+        self.time_loss = self.ego.time_loss()
+        self.emergencies += step.execution.emergency
 
     def _observe(self) -> Traffic:
         drive = self._drive
@@ -70,7 +88,7 @@ class Trip:
         drive, graph = step.drive, self._controller.graph
         here = _segment(drive.plan, step.snapshot.front)
         self._window.follow(here.route_index)
-        self.ego.place(drive.ego, step.completed.intent, self._session.step_length)
+        self.ego.place(drive.ego, step.completed.intent, self.step_length)
         x, y = front_of(drive.ego.pose, self.ego.limits)
         lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, step.snapshot.s, self.ego.limits)
         if lane is None:
@@ -101,7 +119,7 @@ class Trip:
 
     def _has_arrived(self) -> bool:
         goal = self._drive.plan.goal
-        return goal is not None and self._drive.s + self.ego.limits.front_overhang + self._drive.ego.speed * self._session.step_length >= goal
+        return goal is not None and self._drive.s + self.ego.limits.front_overhang + self._drive.ego.speed * self.step_length >= goal
 
     def _arrive(self) -> None:
         self.ghosts.hide()
@@ -144,7 +162,7 @@ class Trip:
     def _light_crossed(self, step: Step) -> str:
         """Return the letter of the light whose line the front bumper crosses in this step."""
         front = step.snapshot.front
-        after = front + step.drive.ego.speed * self._session.step_length
+        after = front + step.drive.ego.speed * self.step_length
         for passage in step.completed.plan.passages:
             if front <= passage.start < after:
                 return letter_of(self._controller.graph.connections[passage.connection_id], step.snapshot)

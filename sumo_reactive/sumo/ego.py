@@ -13,7 +13,7 @@ from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.parameters import STANDING_SPEED, TELEPORT_GUARD_S
 from sumo_reactive.sumo.trips import arrival_of
 from sumo_reactive.sumo.units import INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
-from sumo_reactive.sumo.vehicle_type import ROAD_CLASSES_EXCLUDED, limits_of
+from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS, limits_of
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
 from sumo_reactive.world.route import Route, ScheduledStop
@@ -31,7 +31,7 @@ class Ego:
 
     def __init__(self, vehicle_id: str) -> None:
         vehicle_class = libsumo.vehicle.getVehicleClass(vehicle_id)
-        if vehicle_class in ROAD_CLASSES_EXCLUDED:
+        if vehicle_class in NOT_ROAD_CARS:
             raise ScenarioError(f"ego '{vehicle_id}' is not a road car: its class is '{vehicle_class}'")
         self.id = vehicle_id
         self.vehicle_class: str = vehicle_class
@@ -95,6 +95,10 @@ class Ego:
     def lane_position(self, graph: RoadGraph, lane_id: str) -> float:
         """Return the front's arc length on the spine of its lane, m."""
         return float(libsumo.vehicle.getLanePosition(self.id)) * graph.lanes[lane_id].scale
+
+    def time_loss(self) -> float:
+        """Return SUMO's count of the time lost by driving slower than possible, s."""
+        return float(libsumo.vehicle.getTimeLoss(self.id))
 
     def is_present(self) -> bool:
         """Whether SUMO still has the ego."""

@@ -8,6 +8,7 @@ from types import TracebackType
 import libsumo
 
 from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 
 Progress = Callable[[float, str], None]
 
@@ -17,6 +18,7 @@ class Session:
 
     def __init__(self, arguments: Sequence[str]) -> None:
         self._arguments = ["sumo", *arguments]
+        self._loaded = False
 
     def __enter__(self) -> Session:
         try:
@@ -50,10 +52,17 @@ class Session:
         end = float(libsumo.simulation.getEndTime())
         return libsumo.simulation.getMinExpectedNumber() <= 0 or (0.0 <= end <= self.time)
 
-    def wait_for(self, wanted: Callable[[str], bool], until: float | None, progress: Progress | None) -> str:
-        """Step until a vehicle that is `wanted` departs and return its id; empty if the scenario ends before."""
+    def wait_for(
+        self, wanted: Callable[[str], bool], until: float | None, progress: Progress | None, name: str = ""
+    ) -> str:
+        """Step until a vehicle that is `wanted` departs and return its id; empty if the scenario ends before.
+
+        `name` is looked for among the loaded vehicles and persons, so that `why_not` can tell what became of it.
+        """
         while True:
             self.step()
+            if name:
+                self._note(name)
             for vehicle_id in libsumo.simulation.getDepartedIDList():
                 if wanted(vehicle_id):
                     return str(vehicle_id)
@@ -62,15 +71,34 @@ class Session:
             if progress is not None:
                 progress(self.time, "waiting for the ego to depart")
 
+    def _note(self, name: str) -> None:
+        if not self._loaded and name in libsumo.simulation.getLoadedIDList():
+            self._loaded = True
+        if name in libsumo.simulation.getDepartedPersonIDList():
+            raise ScenarioError(f"ego '{name}' is not a road car: it is a pedestrian")
+
+    def why_not(self, name: str) -> str:
+        """Say why vehicle `name` did not depart until now."""
+        if self._loaded or name in libsumo.simulation.getPendingVehicles():
+            return f"ego '{name}' never departs before {self.time:.1f} s, where the run ends"
+        return f"unknown ego '{name}': no such vehicle until {self.time:.1f} s, where the run ends"
+
+    def play_out(self, until: float | None, progress: Progress | None) -> None:
+        """Step until the scenario or the run ends."""
+        while not self.is_over() and (until is None or self.time < until):
+            self.step()
+            if progress is not None:
+                progress(self.time, "playing out")
+
 
 def type_of(vehicle_id: str) -> str:
     """Return a vehicle's type id."""
     return str(libsumo.vehicle.getTypeID(vehicle_id))
 
 
-def class_of(vehicle_id: str) -> str:
-    """Return a vehicle's class."""
-    return str(libsumo.vehicle.getVehicleClass(vehicle_id))
+def is_road_car(vehicle_id: str) -> bool:
+    """Whether a vehicle is driven like a car."""
+    return libsumo.vehicle.getVehicleClass(vehicle_id) not in NOT_ROAD_CARS
 
 
 def sumo_version() -> str:

@@ -17,7 +17,7 @@ from sumo_reactive.parameters import (
 )
 from sumo_reactive.vehicle.limits import VehicleLimits
 
-ROAD_CLASSES_EXCLUDED = frozenset(
+NOT_ROAD_CARS = frozenset(
     {"rail", "rail_urban", "rail_electric", "rail_fast", "tram", "subway", "cable_car", "ship", "aircraft", "drone"}
     | {"pedestrian", "wheelchair", "bicycle", "scooter", "container"}
 )
