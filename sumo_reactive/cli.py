@@ -152,7 +152,8 @@ def main() -> NoReturn:
 
 def _exit_code(arguments: list[str], sumo_options: list[str]) -> int:
     try:
-        return int(app(args=arguments, prog_name="sumo-reactive", standalone_mode=False, obj=sumo_options) or 0)
+        code = int(app(args=arguments, prog_name="sumo-reactive", standalone_mode=False, obj=sumo_options) or 0)
+        return _fail("interrupted", code) if code == INTERRUPTED else code
     except ReactiveError as error:
         return _fail(str(error), error.exit_code)
     except UsageErrors as error:

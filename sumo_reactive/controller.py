@@ -9,19 +9,23 @@ from typing import NamedTuple
 
 from sumo_reactive.executor.executor import Execution, execute
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map
-from sumo_reactive.messages.completed_plan import CompletedPlan
+from sumo_reactive.messages.completed_plan import CompletedPlan, Weights
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.perception.attention import conflicts_of, in_sight
-from sumo_reactive.perception.perceive import perceive
+from sumo_reactive.perception.perceive import locate, perceive
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.pilot import Ahead, decide
 from sumo_reactive.vehicle.bicycle import advance
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
+
+
+PAPER_WEIGHTS = Weights(valley=1.5, shadow=0.3, velocity=1.0)
+"""On a bitmap of 0.2 m cells U₁ is rough: a steeper valley would hold a standing car in its cell."""
 
 
 class Profile(Enum):
@@ -77,18 +81,25 @@ class Controller:
     def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
         snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s)
         completed, memory = decide(snapshot, drive.plan, self._ahead(snapshot, drive.plan), drive.memory, self.limits)
+        if self.profile is Profile.PAPER:
+            completed = replace(completed, weights=PAPER_WEIGHTS)
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
-            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=snapshot.s, memory=memory))
+            s = self._place(ego, drive.plan, snapshot.s)
+            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=s, memory=memory))
         valley = self._valley(drive, snapshot)
         nine = self.profile is Profile.PAPER
         held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
         execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
-        after = Drive(execution.state, drive.plan, snapshot.s, memory, valley, execution, traffic.time + held)
+        s = self._place(execution.state, drive.plan, snapshot.s)
+        after = Drive(execution.state, drive.plan, s, memory, valley, execution, traffic.time + held)
         return Step(snapshot, completed, execution, after)
+
+    def _place(self, ego: VehicleState, plan: NominalPlan, s_before: float) -> float:
+        return locate(ego, plan, self.limits, s_before)[0]
 
     def _ahead(self, snapshot: Snapshot, plan: NominalPlan) -> Ahead:
         ids = ((i, plan.passages[i].connection_id) for i in in_sight(plan, snapshot.front, snapshot.ego.speed))

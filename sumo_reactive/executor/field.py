@@ -40,16 +40,18 @@ def valley_at(
 ) -> float:  # fmt: skip
     """U₁ of a pose: from the bitmaps of its control points F and R, or from exact distances.
 
-    The exact form is the distance that F will have to C a look-ahead later if its velocity keeps its angle to C: zero
+    Both look ahead, the wheels held, for a distance without its direction does not damp. The exact form is the distance that F will have to C a look-ahead later if its velocity keeps its angle to C: zero
     for a car that follows C, whatever the curvature, and free of the corner cutting of a fixed look-ahead point.
     """
-    fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
+    reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
     if len(bitmaps) > 0:
+        x, y, heading = advance_pose(x, y, heading, reach, angle, wheelbase, 1.0)
+        fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
         return max(map_potential(bitmaps[0], fx, fy, x0, y0, cell), map_potential(bitmaps[1], x, y, x0, y0, cell))
+    fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
     at, d = project_on_curve(fx, fy, cx, cy, step, s + speed * period, _WINDOW_M)
     i = min(max(int(at / step), 0), len(ch) - 2)
     along = ch[i] + min(max(at / step - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
-    reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
     distance = abs(d + reach * math.sin(heading + angle - along))
     return valley_potential(distance, taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
 
@@ -96,7 +98,7 @@ def choose_command(
     corners = corners_of(boxes)
     terms = np.empty((n, 3))
     total = np.full(n, np.inf)
-    hardest = np.argmin(accelerations)
+    hardest = int(np.argmin(accelerations))
     fallback, fallback_valley = -1, np.inf
     for k in range(n):
         q = next_states[k]
@@ -112,11 +114,12 @@ def choose_command(
         if q[5] > 0.0 and q[6] > 0.0:
             if weights[1] > 0.0 and len(boxes) > 0:
                 terms[k, 1] = shadow_sum(
-                    q[0], q[1], q[2], q[3], limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
-                )
+                    q[0], q[1], q[2], q[3], limits[1], limits[2] - limits[1], limits[3], boxes, corners,
+                    SHADOW_SCALE, SHADOW_HORIZON_M,
+                )  # fmt: skip
             total[k] = weights[0] * terms[k, 0] + weights[1] * terms[k, 1] + weights[2] * terms[k, 2]
     while True:
-        best = np.argmin(total)
+        best = int(np.argmin(total))
         if total[best] == np.inf:
             break
         q = next_states[best]
@@ -127,6 +130,6 @@ def choose_command(
             return best, ADMISSIBLE, terms[best, 0], terms[best, 1], terms[best, 2]
         total[best] = np.inf
     if fallback < 0:
-        fallback = hardest * len(rates) + np.argmin(np.abs(rates))
+        fallback = hardest * len(rates) + int(np.argmin(np.abs(rates)))
         terms[fallback] = 0.0
     return fallback, EMERGENCY, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2]

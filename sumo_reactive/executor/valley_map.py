@@ -79,7 +79,7 @@ def map_potential(bitmap: Array, x: float, y: float, x0: float, y0: float, cell:
     """U_p of the cell that holds (x, y); the rim's value outside."""
     i = min(max(round((y - y0) / cell), 0), bitmap.shape[0] - 1)
     j = min(max(round((x - x0) / cell), 0), bitmap.shape[1] - 1)
-    return bitmap[i, j]
+    return float(bitmap[i, j])
 
 
 def valley_bitmap(curve_x: Array, curve_y: Array, static: Array, x0: float, y0: float, cell: float) -> Array:
@@ -119,5 +119,6 @@ def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static:
     samples = np.arange(len(curve.x)) * curve.step
     fx, fy = np.interp(arc, samples, curve.x), np.interp(arc, samples, curve.y)
     rear = rear_trace(fx, fy, heading, wheelbase)
-    bitmaps = np.stack([valley_bitmap(fx, fy, static, x0, y0, cell), valley_bitmap(rear[:, 0], rear[:, 1], static, x0, y0, cell)])
+    traces = ((fx, fy), (rear[:, 0], rear[:, 1]))
+    bitmaps = np.stack([valley_bitmap(px, py, static, x0, y0, cell) for px, py in traces])
     return ValleyMap(bitmaps, x0, y0, cell)

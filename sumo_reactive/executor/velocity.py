@@ -1,4 +1,4 @@
-"""U₃, velocity: the desired speed v_d that the time constraint, the road, the stop and the leaders leave (F&L 1991, §3.3.3)."""
+"""U₃, velocity: the desired speed v_d that time constraint, road, stop and leaders leave (F&L 1991, §3.3.3)."""
 
 from __future__ import annotations
 

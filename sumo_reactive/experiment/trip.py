@@ -45,8 +45,9 @@ class Trip:
         state = self.ego.take_over(session.step_length)
         lane_id = self.ego.lane(state)
         start = PlanStart(
-            state.pose, state.speed, 0.0, session.time, lane_id, self.ego.lane_position(graph, lane_id), 0, self.ego.speed_factor
-        )
+            state.pose, state.speed, 0.0, session.time,
+            lane_id, self.ego.lane_position(graph, lane_id), 0, self.ego.speed_factor,
+        )  # fmt: skip
         self._drive = Drive(state, self._plan(start, 0), 0.0)
 
     def scenes(self) -> Iterator[Scene]:
@@ -57,13 +58,14 @@ class Trip:
             began = clock.perf_counter()
             step = self._controller.step(traffic, self._drive, self.step_length)
             control_us = 1e6 * (clock.perf_counter() - began)
+            light = self._light_crossed(step)
             self._place(step)
             self._session.step()
             lane_id = self.ego.lane(step.drive.ego)
             self._count(step)
             self._drive = self._planned(step)
             traffic = self._observe()
-            yield Scene(self._record(step, lane_id, control_us), traffic.users)
+            yield Scene(self._record(step, lane_id, light, control_us), traffic.users)
             if self._has_arrived():
                 self._arrive()
 
@@ -80,17 +82,19 @@ class Trip:
 
     def _observe(self) -> Traffic:
         drive = self._drive
-        front = drive.s + self.ego.limits.front_overhang
-        return self._observer.observe(self._controller.graph, drive.plan, front, drive.ego.speed)
+        return self._observer.observe(self.graph, drive.plan, self._front(drive), drive.ego.speed)
+
+    def _front(self, drive: Drive) -> float:
+        return drive.s + self.ego.limits.front_overhang
 
     def _place(self, step: Step) -> None:
         """Put the ego, and its ghost when it changes lanes, where the next simulation step shall end."""
         drive, graph = step.drive, self._controller.graph
-        here = _segment(drive.plan, step.snapshot.front)
+        here = _segment(drive.plan, self._front(drive))
         self._window.follow(here.route_index)
         self.ego.place(drive.ego, step.completed.intent, self.step_length)
         x, y = front_of(drive.ego.pose, self.ego.limits)
-        lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, step.snapshot.s, self.ego.limits)
+        lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, drive.s, self.ego.limits)
         if lane is None:
             self.ghosts.hide()
         else:
@@ -102,7 +106,7 @@ class Trip:
         runs_out = plan_now.goal is None and plan_now.curve.length - drive.s < PLAN_RESERVE_M
         if not step.completed.change_lane and not runs_out and abs(step.snapshot.d) < OFF_CURVE_M:
             return drive
-        start = self._start(drive, step.snapshot.front)
+        start = self._start(drive, self._front(drive))
         return replanned(drive, self._plan(start, step.completed.change_lane))
 
     def _start(self, drive: Drive, front: float) -> PlanStart:
@@ -110,8 +114,9 @@ class Trip:
         position = here.lane_offset + (front - here.start) / here.stretch
         ego = drive.ego
         return PlanStart(
-            ego.pose, ego.speed, ego.steering_angle, self._session.time, here.lane_id, position, here.route_index, self.ego.speed_factor
-        )
+            ego.pose, ego.speed, ego.steering_angle, self._session.time,
+            here.lane_id, position, here.route_index, self.ego.speed_factor,
+        )  # fmt: skip
 
     def _plan(self, start: PlanStart, change_now: int) -> NominalPlan:
         graph, ego = self._controller.graph, self.ego
@@ -119,7 +124,7 @@ class Trip:
 
     def _has_arrived(self) -> bool:
         goal = self._drive.plan.goal
-        return goal is not None and self._drive.s + self.ego.limits.front_overhang + self._drive.ego.speed * self.step_length >= goal
+        return goal is not None and self._front(self._drive) >= goal
 
     def _arrive(self) -> None:
         self.ghosts.hide()
@@ -127,7 +132,7 @@ class Trip:
         self.arrived = True
         self._session.step()
 
-    def _record(self, step: Step, lane_id: str, control_us: float) -> StepRecord:
+    def _record(self, step: Step, lane_id: str, light: str, control_us: float) -> StepRecord:
         drive, execution, completed = step.drive, step.execution, step.completed
         x, y = front_of(drive.ego.pose, self.ego.limits)
         leader = min(completed.leaders, key=lambda one: one.s, default=None)
@@ -154,18 +159,17 @@ class Trip:
             gap=leader.s - step.snapshot.front if leader else float("nan"),
             behaviour=completed.behaviour.value,
             emergency=execution.emergency,
-            light=self._light_crossed(step),
+            light=light,
             control_us=control_us,
             decisions=completed.decisions,
         )
 
     def _light_crossed(self, step: Step) -> str:
         """Return the letter of the light whose line the front bumper crosses in this step."""
-        front = step.snapshot.front
-        after = front + step.drive.ego.speed * self.step_length
-        for passage in step.completed.plan.passages:
-            if front <= passage.start < after:
-                return letter_of(self._controller.graph.connections[passage.connection_id], step.snapshot)
+        before, after = self._front(self._drive), self._front(step.drive)
+        for passage in self._drive.plan.passages:
+            if before <= passage.start < after:
+                return letter_of(self.graph.connections[passage.connection_id], step.snapshot)
         return ""
 
 

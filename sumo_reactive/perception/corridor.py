@@ -23,7 +23,7 @@ def _cuts(px: float, py: float, heading: float, half: float, box: Array) -> bool
         return False
     if abs(dy * c - dx * s) > 0.5 * box[5] + half * turn_c:
         return False
-    return abs(dx * tx + dy * ty) <= 0.5 * (box[4] * turn_c + box[5] * turn_s)
+    return bool(abs(dx * tx + dy * ty) <= 0.5 * (box[4] * turn_c + box[5] * turn_s))
 
 
 @kernel
@@ -32,11 +32,13 @@ def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
     c, s = math.cos(box[2]), math.sin(box[2])
     tx, ty = math.cos(heading), math.sin(heading)
     middle = (box[0] - 0.5 * box[4] * c - px) * tx + (box[1] - 0.5 * box[4] * s - py) * ty
-    return middle - 0.5 * (box[4] * abs(tx * c + ty * s) + box[5] * abs(ty * c - tx * s))
+    return float(middle - 0.5 * (box[4] * abs(tx * c + ty * s) + box[5] * abs(ty * c - tx * s)))
 
 
 @kernel
-def blocked_stretches(boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, half: float) -> Array:
+def blocked_stretches(
+    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, half: float
+) -> Array:
     """Return (n, 4): first and last arc length that each box blocks (m; NaN if none), velocity along and across C (m/s).
 
     `boxes` (n, 6): front x, y, heading, speed, length, width. The search runs from `start` to `end` along C and leaps

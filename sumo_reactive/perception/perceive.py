@@ -95,7 +95,8 @@ def _foe(user: RoadUser, passage: int, watch: Watch) -> Foe:
     region = watch.conflict.region
     to_line = watch.distance - user.lane_position
     if not user.body.is_person:
-        return Foe(user, passage, watch.conflict, to_line, to_line + region.other.start, to_line + region.other.end + user.body.length)
+        to_clear = to_line + region.other.end + user.body.length
+        return Foe(user, passage, watch.conflict, to_line, to_line + region.other.start, to_clear)
     return _walker(user, passage, watch)
 
 

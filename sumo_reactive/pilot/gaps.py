@@ -49,7 +49,9 @@ class Threat(NamedTuple):
     merged: float
 
 
-def passing(to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float) -> Passing:
+def passing(
+    to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
+) -> Passing:
     """Foresee the ego's passage; ways in m from the front bumper (`to_clear`: until the rear is out)."""
     slow = min(speed, top_speed)
     merged = travel_time(to_region + length, slow, acceleration, top_speed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Weights
-from sumo_reactive.messages.decision import Behaviour, Decision, Leader, Reason, StopAt
+from sumo_reactive.messages.decision import Behaviour, Decision, Reason, StopAt
 from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
 from sumo_reactive.messages.snapshot import Conflict, Snapshot
 from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, STANDING_SPEED

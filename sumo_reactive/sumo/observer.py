@@ -91,7 +91,8 @@ class Observer:
                 x, y = person.getPosition(name)
                 body = self._bodies.get(name)
                 if body is None:
-                    body = Body(person.getLength(name), person.getWidth(name), PERSON_DECELERATION, person.getMaxSpeed(name), True)
+                    length, width = person.getLength(name), person.getWidth(name)
+                    body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
                     self._bodies[name] = body
                 heading = heading_of(person.getAngle(name))
                 yield RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, person.getLanePosition(name), body)

@@ -23,8 +23,12 @@ class RouteWindow:
             return  # SUMO takes a route only on one of its edges
         self._index = index
         last = index + 1
-        while last < len(self._edges) and self._edges[last] not in self._edges[index:last] and self._ends[last] not in self._ends[index:last]:
+        while last < len(self._edges) and not self._returns(index, last):
             last += 1
         name = f"reactive.route.{self._ego_id}.{index}"
         libsumo.route.add(name, self._edges[index:last])
         libsumo.vehicle.setRouteID(self._ego_id, name)
+
+    def _returns(self, first: int, last: int) -> bool:
+        """Whether edge `last` or its end has been passed since edge `first`."""
+        return self._edges[last] in self._edges[first:last] or self._ends[last] in self._ends[first:last]

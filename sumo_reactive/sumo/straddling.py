@@ -14,8 +14,8 @@ def lane_to_haunt(
 ) -> Lane | None:
     """Return the lane beside `lane_id` that a change under way covers or is about to; None when there is none.
 
-    `x`, `y`: front bumper (m); `s`: arc length of the front axle on C. During the change both lanes must see the ego, and the old
-    one until the rear has left it.
+    `x`, `y`: front bumper (m); `s`: arc length of the front axle on C. During the change both lanes must see the ego, and
+    the old one until the rear has left it.
     """
     change = next((c for c in plan.lane_changes if c.start <= s <= c.end + limits.length), None)
     lane = graph.lanes.get(lane_id)

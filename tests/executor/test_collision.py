@@ -18,7 +18,9 @@ boxes = st.tuples(st.floats(-6, 6), st.floats(-6, 6), st.floats(-4, 4), st.float
 def polygon(x: float, y: float, heading: float, length: float, width: float) -> shapely.Polygon:
     """A box about its centre."""
     front = 0.5 * length
-    return shapely.Polygon(Footprint(x + front * math.cos(heading), y + front * math.sin(heading), heading, length, width).corners())
+    return shapely.Polygon(
+        Footprint(x + front * math.cos(heading), y + front * math.sin(heading), heading, length, width).corners()
+    )
 
 
 @given(boxes, boxes)

@@ -16,7 +16,9 @@ def size(grid: CommandGrid) -> int:
 
 def within_limits(grid: CommandGrid) -> bool:
     a, w = grid.accelerations, np.abs(grid.steering_rates)
-    return bool((a >= -CAR.emergency_deceleration).all() and (a <= CAR.max_acceleration).all() and (w <= CAR.max_steering_rate).all())
+    return bool(
+        (a >= -CAR.emergency_deceleration).all() and (a <= CAR.max_acceleration).all() and (w <= CAR.max_steering_rate).all()
+    )
 
 
 @given(speeds)

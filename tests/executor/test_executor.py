@@ -33,9 +33,7 @@ def deviation(speed: float, **options) -> float:
     return math.sqrt(np.mean([snapshot.d**2 for snapshot, _ in trace if 15.0 < snapshot.s < 40.0]))
 
 
-cars = st.builds(
-    car_at, st.just("x"), st.floats(0, 40), st.floats(-8, 8), st.floats(-math.pi, math.pi), st.floats(0, 20)
-)
+cars = st.builds(car_at, st.just("x"), st.floats(0, 40), st.floats(-8, 8), st.floats(-math.pi, math.pi), st.floats(0, 20))
 
 
 @given(
@@ -61,7 +59,7 @@ def test_the_fine_grid_keeps_within_three_centimetres_in_a_turn_of_4_4_m(speed):
     assert deviation(speed) < 0.03
 
 
-@pytest.mark.xfail(strict=True, reason="steering_rate_of_curve leaves out how far the body turns within the period")
+@pytest.mark.xfail(strict=True, reason="2.3 cm: the wanted rate leaves out the body's own turn, the look-ahead is long")
 @pytest.mark.parametrize("speed", [3.0, 10.0])
 def test_the_fine_grid_keeps_within_one_centimetre_in_a_turn_of_4_4_m(speed):
     assert deviation(speed) < 0.01
@@ -81,7 +79,9 @@ def test_a_car_beside_the_curve_comes_back_to_it_and_stays():
 
 
 def test_a_free_car_reaches_the_speed_of_the_road_and_keeps_it():
-    speeds = [execution.state.speed for _, execution in driven(ROAD, on_curve(ROAD.curve, 5.0, 0.0), lambda _: asked(ROAD), 20.0)]
+    speeds = [
+        execution.state.speed for _, execution in driven(ROAD, on_curve(ROAD.curve, 5.0, 0.0), lambda _: asked(ROAD), 20.0)
+    ]
     assert max(speeds) <= 13.9 + 1e-6
     assert speeds[-1] == pytest.approx(13.9, abs=0.05)
 
@@ -127,7 +127,12 @@ def test_it_never_runs_into_a_leader_that_brakes_as_hard_as_it_can(gap, speed, b
 
 def test_it_settles_behind_a_slower_leader_at_a_safe_gap():
     trace = list(
-        driven(ROAD, on_curve(ROAD.curve, 10.0, 13.0), lambda t: asked(ROAD, leaders=(Leader("x", 50.0 + 8.0 * t, 8.0, 9.0),)), 30.0)
+        driven(
+            ROAD,
+            on_curve(ROAD.curve, 10.0, 13.0),
+            lambda t: asked(ROAD, leaders=(Leader("x", 50.0 + 8.0 * t, 8.0, 9.0),)),
+            30.0,
+        )
     )
     snapshot, execution = trace[-1]
     gap = 50.0 + 8.0 * snapshot.time - snapshot.front

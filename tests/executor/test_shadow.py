@@ -63,7 +63,15 @@ def test_it_is_zero_for_one_ahead_that_is_no_slower(road, speed, share, gap, lef
     assert potential(share * speed, box(gap + LENGTH, left, road, 0.0, speed), road=road) == 0.0
 
 
-@given(headings, speeds, speeds, st.floats(-40.0, 40.0), st.floats(0.01, 5.0), st.sampled_from([-1, 1]), st.sampled_from([0.0, math.pi]))
+@given(
+    headings,
+    speeds,
+    speeds,
+    st.floats(-40.0, 40.0),
+    st.floats(0.01, 5.0),
+    st.sampled_from([-1, 1]),
+    st.sampled_from([0.0, math.pi]),
+)
 def test_it_is_zero_on_parallel_lanes(road, speed, other_speed, along, gap, side, heading):
     assert potential(speed, box(along, side * (WIDTH + gap), road, heading, other_speed), road=road) == 0.0
 
@@ -112,9 +120,7 @@ def test_it_agrees_with_points_sampled_over_both_boundaries(speed, other):
 @given(speeds, st.lists(others, min_size=1, max_size=6))
 def test_the_sum_leaves_out_only_those_that_miss(speed, boxes):
     own = outline(box(0.0, 0.0, 0.0, 0.0, speed))
-    each = [
-        shadow_potential(own, speed, 0.0, outline(b), b[3] * math.cos(b[2]), b[3] * math.sin(b[2]), 1.0) for b in boxes
-    ]
+    each = [shadow_potential(own, speed, 0.0, outline(b), b[3] * math.cos(b[2]), b[3] * math.sin(b[2]), 1.0) for b in boxes]
     assert potential(speed, *boxes) == pytest.approx(sum(each), rel=1e-9, abs=1e-12)
 
 

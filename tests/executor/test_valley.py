@@ -46,7 +46,11 @@ def test_the_distance_to_obstacles_is_the_taxicab_one_to_the_nearest(place, obst
     assert taxicab_to_points(*place, np.array(obstacles)) == pytest.approx(nearest)
 
 
-@given(arrays.arrays(np.float64, arrays.array_shapes(min_dims=2, max_dims=2, max_side=12), elements=st.sampled_from([0.0, 0.0, 0.0, 1.0])))
+@given(
+    arrays.arrays(
+        np.float64, arrays.array_shapes(min_dims=2, max_dims=2, max_side=12), elements=st.sampled_from([0.0, 0.0, 0.0, 1.0])
+    )
+)
 def test_the_transform_gives_every_cell_its_taxicab_distance_to_the_nearest_seed(seeds):
     rows, columns = np.nonzero(seeds)
     i, j = np.indices(seeds.shape)
@@ -83,7 +87,9 @@ def test_the_maps_hold_the_car_while_it_stays_away_from_their_rim():
 def test_each_control_point_has_its_valley_along_the_curve_that_it_traces():
     """In a steady turn of radius r the rear axle traces the circle of radius √(r² − L²) (F&L 1991, §3.1)."""
     radius = 12.0
-    maps = valley_map(turning([75.0], [1.0 / radius]), 0.0, -math.asin(CAR.wheelbase / radius), CAR.wheelbase, np.empty((0, 2)))
+    maps = valley_map(
+        turning([75.0], [1.0 / radius]), 0.0, -math.asin(CAR.wheelbase / radius), CAR.wheelbase, np.empty((0, 2))
+    )
     rear = math.sqrt(radius**2 - CAR.wheelbase**2)
     for angle in np.linspace(0.2, 5.0, 40):
         for bitmap, r in ((maps.bitmaps[0], radius), (maps.bitmaps[1], rear)):

@@ -91,7 +91,9 @@ def test_a_car_on_another_lane_is_not_the_egos_follower(jury):
 
 
 def test_the_nearest_body_ahead_is_the_leader(jury):
-    drive(jury, lambda t: record(t, speed=5.0), lambda t: [*_brakes_behind(-30.0)(t), user("between", x=-12.0, speed=15.0)], 5)
+    drive(
+        jury, lambda t: record(t, speed=5.0), lambda t: [*_brakes_behind(-30.0)(t), user("between", x=-12.0, speed=15.0)], 5
+    )
     assert jury.figures()["hard_braking_caused"] == 0
 
 
@@ -119,7 +121,15 @@ def _crossing(mutual: bool = False) -> RoadGraph:
     lines = {"we": [(-10.0, 0.0), (10.0, 0.0)], "sn": [(0.0, -10.0), (0.0, 10.0)]}
     connections = {
         name: Connection(
-            name, "j", k, f"{name}in_0", f"{name}out_0", (f":j_{k}_0",), Polyline(np.array(line)), Turn.STRAIGHT, Control.MINOR
+            name,
+            "j",
+            k,
+            f"{name}in_0",
+            f"{name}out_0",
+            (f":j_{k}_0",),
+            Polyline(np.array(line)),
+            Turn.STRAIGHT,
+            Control.MINOR,
         )
         for k, (name, line) in enumerate(lines.items())
     }

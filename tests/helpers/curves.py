@@ -53,7 +53,9 @@ def on_curve(curve: Curve, front: float, speed: float) -> VehicleState:
     return VehicleState(pose, speed, 0.0)
 
 
-def seen(state: VehicleState, plan: NominalPlan, s: float, users: Sequence[RoadUser] = (), static=NOTHING, time=0.0) -> Snapshot:
+def seen(
+    state: VehicleState, plan: NominalPlan, s: float, users: Sequence[RoadUser] = (), static=NOTHING, time=0.0
+) -> Snapshot:
     """Return what the executor needs to know of a car near arc length `s` of C and of the `users` around it."""
     at, d = locate(state, plan, CAR, s)
     boxes = np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in users]).reshape(-1, 6)

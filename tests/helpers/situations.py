@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
 from pathlib import Path
 
 from helpers.cars import BODY, CAR
@@ -27,7 +27,7 @@ PERIOD = 0.1
 _read = lru_cache(maxsize=None)(read_net)
 
 
-@lru_cache(maxsize=None)
+@cache
 def graph_of(network: str, edges: tuple[str, ...]) -> RoadGraph:
     """Return the part of an own network that a route touches."""
     return _read(NETWORKS / network / f"{network}.net.xml").build(edges)
@@ -41,7 +41,7 @@ class Situation:
     route: tuple[str, ...]
     ego: VehicleState
     plan: NominalPlan
-    memory: PilotMemory = PilotMemory()
+    memory: PilotMemory = field(default_factory=PilotMemory)
     time: float = 100.0
 
     @property

@@ -18,7 +18,9 @@ wheelbases = st.floats(1.5, 7.0)
 durations = st.floats(0.02, 1.0)
 
 
-def integrated(pose: tuple[float, float, float], speed: float, angle: float, wheelbase: float, duration: float) -> np.ndarray:
+def integrated(
+    pose: tuple[float, float, float], speed: float, angle: float, wheelbase: float, duration: float
+) -> np.ndarray:
     """Fourth-order Runge–Kutta in 200 steps of ẋ = v cosφ cosθ, ẏ = v cosφ sinθ, θ̇ = v sinφ / L."""
 
     def slope(q: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ class Collisions:
 
     def see(self, moment: Moment) -> None:
         """Note who touches the ego now and did not before."""
-        if not self._touching and not moment.contacts[:, 0].any():
+        if not self._touching and not (moment.users and moment.contacts[:, 0].any()):
             return
         touching = {user.id for user, (touches, _) in zip(moment.users, moment.contacts, strict=True) if touches}
         for user_id in sorted(touching - self._touching):

@@ -60,10 +60,24 @@ class PostEncroachment:
 
 
 def _on_the_way(ego: Array, others: Array) -> NDArray[np.bool_]:
-    """Return which of `others` (n, 7) come within a coarse cell of where the ego ever is."""
+    """Return which of `others` (n, 7) come within a coarse cell of where the ego ever is with another heading."""
     around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    taken = np.concatenate([_key(ego[:, 1] + i * FAR_CELL_M, ego[:, 2] + j * FAR_CELL_M, FAR_CELL_M) for i, j in around])
-    return np.isin(_key(others[:, 1], others[:, 2], FAR_CELL_M), np.unique(taken))
+    keys = [_key(ego[:, 1] + i * FAR_CELL_M, ego[:, 2] + j * FAR_CELL_M, FAR_CELL_M) for i, j in around]
+    cells, index = np.unique(np.concatenate(keys), return_inverse=True)
+    sectors = np.zeros(len(cells), dtype=np.int64)
+    np.bitwise_or.at(sectors, index.ravel(), np.tile(_sector(ego[:, 3]), len(around)))
+    own, near = _sector(others[:, 3]), np.zeros(len(others), dtype=np.bool_)
+    for share in (0.0, 0.5, 1.0):
+        back = share * others[:, 4]
+        key = _key(others[:, 1] - back * np.cos(others[:, 3]), others[:, 2] - back * np.sin(others[:, 3]), FAR_CELL_M)
+        at = np.minimum(np.searchsorted(cells, key), len(cells) - 1)
+        near |= (cells[at] == key) & ((sectors[at] & ~own) != 0)
+    return near
+
+
+def _sector(heading: Array) -> NDArray[np.int64]:
+    """Return the bit of the sector, as wide as CROSSING_ANGLE, that holds each heading (rad)."""
+    return np.left_shift(1, np.floor(heading % (2.0 * math.pi) / CROSSING_ANGLE).astype(np.int64))
 
 
 def _key(x: Array, y: Array, cell: float) -> NDArray[np.int64]:

@@ -32,7 +32,7 @@ WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
 class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed."""
 
-    index: int
+    number: int
     passage: Passage
     connection: Connection
     scale: float
@@ -57,7 +57,7 @@ def stop_before_region(
     """Return where to wait for the regions of a passage, and the objection behind it; None when the way is free."""
     best: tuple[StopAt, Objection] | None = None
     for foe in snapshot.foes:
-        if foe.passage != crossing.index:
+        if foe.passage != crossing.number:
             continue
         objection = _objection(foe, crossing, snapshot, memory, limits)
         place = _place_to_wait(foe.conflict, crossing, snapshot, limits) if objection else None

@@ -1,0 +1,130 @@
+"""How SUMO is started: without a window, files where they were, harm visible, the user's options last."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import libsumo
+import pytest
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
+from sumo_reactive.sumo.trips import arrival_of
+
+ROUNDABOUT = Path(__file__).parents[2] / "networks" / "roundabout"
+
+
+def scenario(folder, inner=""):
+    """Write a configuration that uses the roundabout's network and traffic."""
+    files = {"net-file": "roundabout.net.xml", "route-files": "roundabout.rou.xml"}
+    lines = "".join(f'<{option} value="{ROUNDABOUT / name}"/>' for option, name in files.items())
+    path = folder / "a.sumocfg"
+    path.write_text(f"<configuration>{lines}<end value='2'/>{inner}</configuration>", encoding="utf-8")
+    return read_config(path)
+
+
+def options_of(path):
+    return {node.tag: node.get("value") for node in ElementTree.parse(path).getroot()}
+
+
+def test_a_configuration_without_a_window_is_used_as_it_is(tmp_path):
+    config = scenario(tmp_path)
+    assert runnable_config(config, tmp_path / "nowhere") == (config.path, ())
+
+
+def test_what_needs_a_window_and_missing_drawings_are_left_out_and_named(tmp_path):
+    (tmp_path / "copy").mkdir()
+    (tmp_path / "stops.add.xml").write_text("<additional/>", encoding="utf-8")
+    inner = (
+        '<additional-files value="stops.add.xml, osm.poly.xml"/><gui-settings-file value="osm.view.xml"/>'
+        '<osg-view value="true"/><tripinfo-output value="out/trips.xml"/><log value="stdout"/>'
+    )
+    path, left_out = runnable_config(scenario(tmp_path, inner), tmp_path / "copy")
+    options = options_of(path)
+    assert path.parent == tmp_path / "copy"
+    assert options["additional-files"] == str(tmp_path / "stops.add.xml")
+    assert options["tripinfo-output"] == str(tmp_path / "out" / "trips.xml")
+    assert options["log"] == "stdout"
+    assert [name for name, _, _ in left_out] == ["gui-settings-file", "osg-view", "additional-files"]
+
+
+def test_a_missing_file_that_matters_is_an_error(tmp_path):
+    with pytest.raises(ScenarioError, match=r"lights\.add\.xml: no such file"):
+        runnable_config(scenario(tmp_path, '<additional-files value="lights.add.xml"/>'), tmp_path)
+
+
+def test_sumo_runs_the_cleaned_copy_and_writes_beside_the_original(tmp_path):
+    (tmp_path / "copy").mkdir()
+    inner = (
+        '<additional-files value="osm.poly.xml"/><gui-settings-file value="a.view.xml"/><summary-output value="sum.xml"/>'
+    )
+    config = scenario(tmp_path, inner)
+    path, _ = runnable_config(config, tmp_path / "copy")
+    arguments, _ = sumo_arguments(config, path, seed=42, step_length_s=0.1)
+    libsumo.start(["sumo", *arguments])
+    try:
+        libsumo.simulationStep()
+        assert libsumo.simulation.getDeltaT() == pytest.approx(0.1)
+    finally:
+        libsumo.close()
+    assert (tmp_path / "sum.xml").exists()
+
+
+def test_overrides_are_named_where_they_change_what_the_scenario_says(tmp_path):
+    inner = (
+        '<random value="true"/><collision.action v="warn"/><ignore-junction-blocker value="20"/><seed value="7"/>'
+        '<collision.check-junctions value="1"/>'
+    )
+    config = scenario(tmp_path, inner)
+    arguments, changed = sumo_arguments(config, config.path, seed=42, step_length_s=0.1)
+    assert set(changed) == {
+        ("random", "true", "false"),
+        ("ignore-junction-blocker", "20", "-1"),
+        ("seed", "7", "42"),
+        ("step-length", "1", "0.1"),
+        ("collision.mingap-factor", "-1", "0"),
+    }
+    assert arguments[arguments.index("--collision.action") + 1] == "warn"
+    assert "--no-warnings" in arguments
+
+
+def test_the_users_options_go_last_and_win(tmp_path):
+    config = scenario(tmp_path, '<verbose value="true"/>')
+    options = ["--seed=3", "--collision.action", "remove", "--no-step-log", "-W"]
+    arguments, changed = sumo_arguments(config, config.path, seed=42, step_length_s=0.1, sumo_options=options)
+    assert arguments[-5:] == options
+    assert not {"--seed", "--no-warnings"} & set(arguments)
+    assert arguments.count("--collision.action") == arguments.count("--no-step-log") == 1
+    assert "seed" not in {name for name, _, _ in changed}
+
+
+@pytest.mark.parametrize(
+    ("own", "asked", "used"), [("1", None, 0.1), ("0.05", None, 0.05), ("0.05", 0.5, 0.5), ("1", 1.0, 1.0)]
+)
+def test_the_step_is_as_asked_or_the_finer_of_the_scenarios_own_and_a_tenth(tmp_path, own, asked, used):
+    assert chosen_step_length(scenario(tmp_path, f'<step-length value="{own}"/>'), asked) == used
+
+
+@pytest.mark.parametrize("asked", [0.0, -0.1, 1.001, 0.0005, 0.1234, float("nan"), float("inf")])
+def test_an_impossible_step_length_is_an_error(tmp_path, asked):
+    with pytest.raises(ScenarioError, match="impossible step length"):
+        chosen_step_length(scenario(tmp_path), asked)
+
+
+def test_where_a_trip_ends_is_read_from_the_saved_state(tmp_path):
+    route = ElementTree.parse(ROUNDABOUT / "roundabout.rou.xml").getroot()
+    edges = next(node.get("edges") for node in route.iter("route"))
+    trips = {"a.1": 'arrivalPos="-7.5" arrivalLane="0"', "c": "", "d": 'arrivalPos="max" arrivalLane="current"'}
+    vehicles = "".join(
+        f'<vehicle id="{name}" depart="{k}" departPos="{20 * k}" {arrival}><route edges="{edges}"/></vehicle>'
+        for k, (name, arrival) in enumerate(trips.items())
+    )
+    (tmp_path / "a.rou.xml").write_text(f"<routes>{vehicles}</routes>", encoding="utf-8")
+    libsumo.start(["sumo", "-n", str(ROUNDABOUT / "roundabout.net.xml"), "-r", str(tmp_path / "a.rou.xml"), "--no-step-log"])
+    try:
+        for _ in range(4):
+            libsumo.simulationStep()
+        assert arrival_of("a.1") == (-7.5, 0)
+        assert arrival_of("c") == arrival_of("d") == (None, None)
+    finally:
+        libsumo.close()
