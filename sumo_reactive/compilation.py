@@ -23,9 +23,8 @@ _KERNEL_ROOMS = ("vehicle", "executor", "perception", "geometry")
 def _cache_folder() -> Path:
     package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
-    for room in _KERNEL_ROOMS:
-        for source in sorted((package / room).glob("*.py")):
-            digest.update(source.read_bytes())
+    for source in (package / "parameters.py", *(s for room in _KERNEL_ROOMS for s in sorted((package / room).glob("*.py")))):
+        digest.update(source.read_bytes())
     base = os.environ.get("XDG_CACHE_HOME")
     root = Path(base) if base else Path.home() / ".cache"
     if not os.access(root if root.exists() else root.parent, os.W_OK):

@@ -87,13 +87,13 @@ MAX_ACCELERATION_IN_PLAN = 2.0
 """m/s²; what the pilot counts on when it foresees its own motion (SUMO's default passenger car does 2.6)."""
 
 # --- executor --------------------------------------------------------------------------------------------------------
-LOOK_AHEAD_S = 0.35
+LOOK_AHEAD_S = 0.2
 """U₁ is taken where the front axle will be this long after the control period, the steering held."""
 
 LOOK_AHEAD_GROWTH = 0.02
 """s per m/s; the look-ahead grows with speed so that fast driving steers gently."""
 
-MIN_LOOK_AHEAD_M = 1.5
+MIN_LOOK_AHEAD_M = 0.6
 """…but at least this far ahead, so that a standing car knows where to steer."""
 
 VALLEY_ATTRACTION = 1.0
@@ -135,14 +135,14 @@ SAFE_GAP_M = 0.5
 STOP_LINE_MARGIN_M = 0.7
 """Planned distance of the front bumper to a line."""
 
-HARD_STOP_MARGIN_M = 0.15
+HARD_STOP_MARGIN_M = 0.4
 """Distance to a line that no admissible command gives up."""
 
 MAX_LATERAL_JERK = 8.0
 """m/s³; bounds φ̇max at road speed."""
 
-PAPER_LATERAL_JERK_SHARE = 0.4
-"""Of the lateral jerk, for commands that are held half a second."""
+PAPER_LATERAL_STEP = 1.6
+"""m/s²; change of lateral acceleration that one of the nine commands makes at most."""
 
 STEERING_GAIN = 1.0
 """1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""
@@ -293,3 +293,6 @@ URGENT_FOLLOWER_DECELERATION = 3.5
 
 SLOT_HEADWAY_S = 0.4
 """Time headway to the vehicle on the other lane behind which the ego falls in."""
+
+COMFORT_EXCESS = 1.2
+"""Braking harder than this times the comfortable one may jerk."""

@@ -40,8 +40,8 @@ def braking_collides(
 ) -> bool:  # fmt: skip
     """Whether the ego, braking along its arc from `start` s ahead, touches a predicted footprint within `horizon` s.
 
-    The others keep speed and heading. A footprint that is behind the ego's front half, or that the ego touches only
-    while it stands, is the other's business. `boxes` (n, 6): front x, y, heading, speed, length, width.
+    The others keep speed and heading. Who now has the front behind the ego's middle, or is touched only while the ego
+    stands, has to look out himself. `boxes` (n, 6): front x, y, heading, speed, length, width.
     """
     t, v = start, speed
     px, py, ph = x, y, heading
@@ -53,8 +53,8 @@ def braking_collides(
             cos_b, sin_b = math.cos(bh), math.sin(bh)
             reach = bv * t - 0.5 * boxes[k, 4]
             bx, by = boxes[k, 0] + reach * cos_b, boxes[k, 1] + reach * sin_b
-            ahead = (bx - cx) * math.cos(ph) + (by - cy) * math.sin(ph)
-            if ahead > 0.0 and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]):
+            ahead = (boxes[k, 0] - x) * math.cos(heading) + (boxes[k, 1] - y) * math.sin(heading)
+            if ahead > axle_to_front - 0.5 * length and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]):
                 return True
         px, py, ph = advance_pose(px, py, ph, v, steering_angle, wheelbase, step)
         v = max(0.0, v - deceleration * step)

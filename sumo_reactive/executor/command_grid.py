@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_JERK_SHARE
+from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_STEP
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
@@ -32,13 +32,19 @@ def steering_rate_limit(limits: VehicleLimits, speed: float) -> float:
     return min(limits.max_steering_rate, MAX_LATERAL_JERK * limits.wheelbase / max(speed, 1.0) ** 2)
 
 
-def paper_grid(limits: VehicleLimits, speed: float) -> CommandGrid:
+def gentlest_brake(acceleration: float, period: float) -> float:
+    """The lowest next acceleration within the comfortable jerk, m/s²: the throttle may be released at once."""
+    return min(acceleration, 0.0) - COMFORT_JERK * period
+
+
+def paper_grid(limits: VehicleLimits, speed: float, period: float) -> CommandGrid:
     """The nine commands of the paper: {−v̇max, 0, +v̇max} × {−φ̇max, 0, +φ̇max} (F&L 1991, §3.2).
 
     Reading: φ̇max falls with the square of the speed so that one command cannot use up the centrifugal limit; with a
     constant φ̇max and δt = 0.5 s a car at road speed could not steer at all.
     """
-    top = steering_rate_limit(limits, speed) * PAPER_LATERAL_JERK_SHARE
+    lateral = PAPER_LATERAL_STEP * limits.wheelbase / max(speed, 1.0) ** 2 / period
+    top = min(limits.max_steering_rate, lateral)
     return CommandGrid(
         np.array([-limits.service_deceleration, 0.0, limits.max_acceleration]), top * np.array([-1.0, 0.0, 1.0])
     )
@@ -54,7 +60,7 @@ def fine_grid(
     """
     change = COMFORT_JERK * period
     near = acceleration + change * _JERK_LEVELS
-    best = min(max(wanted, acceleration - change), acceleration + change)
+    best = min(max(wanted, gentlest_brake(acceleration, period)), acceleration + change)
     hard = (limits.service_deceleration, 0.5 * (limits.service_deceleration + limits.emergency_deceleration))
     nodes = np.array([*near, best, -hard[0], -hard[1], -limits.emergency_deceleration])
     top = steering_rate_limit(limits, speed)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.executor.command_grid import fine_grid, gentlest_brake, paper_grid
 from sumo_reactive.executor.field import EMERGENCY, choose_command
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.executor.velocity import cruise_speed, following_speed, stopping_speed
@@ -17,6 +17,7 @@ from sumo_reactive.messages.completed_plan import CompletedPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
+    COMFORT_EXCESS,
     HARD_STOP_MARGIN_M,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
@@ -88,6 +89,13 @@ def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits,
     return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
 
 
+def _without_jerk(wanted: float, ego: VehicleState, limits: VehicleLimits, period: float) -> float:
+    """Bound the fall of v_d by the comfortable jerk as long as comfortable braking is enough (m/s)."""
+    if wanted < ego.speed - COMFORT_EXCESS * limits.comfort_deceleration * period:
+        return wanted
+    return max(wanted, ego.speed + gentlest_brake(ego.acceleration, period) * period)
+
+
 def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) -> float:
     """Deceleration (m/s²) that reaches `final` speed within `distance` m, at most the emergency's."""
     if speed <= final:
@@ -96,11 +104,12 @@ def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) 
     return min(needed, limits.emergency_deceleration)
 
 
-def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, period: float) -> float:
+def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
     """The steering rate (rad/s) that turns the front wheels' velocity along C, and back onto it, within one period."""
     ego = snapshot.ego
-    ahead = snapshot.s + ego.speed * period
-    along = completed.plan.curve.at(ahead)[2] - ego.pose.heading
+    turn = ego.speed * math.sin(ego.steering_angle) / limits.wheelbase * period
+    ahead = snapshot.s + 0.5 * ego.speed * period
+    along = completed.plan.curve.at(ahead)[2] - ego.pose.heading - 0.5 * turn
     back = math.atan2(STEERING_GAIN * snapshot.d, ego.speed + 1.0)
     return (wrapped(along - back) - ego.steering_angle) / period
 
@@ -131,11 +140,11 @@ def execute(
     distances.
     """
     ego = snapshot.ego
-    wanted = desired_speed(snapshot, completed, limits, period)
+    wanted = _without_jerk(desired_speed(snapshot, completed, limits, period), ego, limits, period)
     if nine_commands:
-        grid = paper_grid(limits, ego.speed)
+        grid = paper_grid(limits, ego.speed, period)
     else:
-        steering = steering_rate_of_curve(snapshot, completed, period)
+        steering = steering_rate_of_curve(snapshot, completed, limits, period)
         grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
     room = room_to_brake(snapshot, completed)
     index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, wanted, valley)

@@ -40,8 +40,8 @@ def valley_at(
 ) -> float:  # fmt: skip
     """U₁ of a pose: from the bitmaps of its control points F and R, or from exact distances.
 
-    Both look ahead, the wheels held, for a distance without its direction does not damp. The exact form is the distance that F will have to C a look-ahead later if its velocity keeps its angle to C: zero
-    for a car that follows C, whatever the curvature, and free of the corner cutting of a fixed look-ahead point.
+    Both look ahead, the wheels held, for a distance without its direction does not damp. The exact form is the distance that F will have to C a look-ahead later if its velocity keeps the angle to C that it
+    has in the middle of the period: zero for a car that follows C, whatever the curvature.
     """
     reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
     if len(bitmaps) > 0:
@@ -50,9 +50,11 @@ def valley_at(
         return max(map_potential(bitmaps[0], fx, fy, x0, y0, cell), map_potential(bitmaps[1], x, y, x0, y0, cell))
     fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
     at, d = project_on_curve(fx, fy, cx, cy, step, s + speed * period, _WINDOW_M)
-    i = min(max(int(at / step), 0), len(ch) - 2)
-    along = ch[i] + min(max(at / step - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
-    distance = abs(d + reach * math.sin(heading + angle - along))
+    u = (at - 0.5 * speed * period) / step
+    i = min(max(int(u), 0), len(ch) - 2)
+    along = ch[i] + min(max(u - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
+    turned = 0.5 * speed * math.sin(angle) / wheelbase * period
+    distance = abs(d + reach * math.sin(heading - turned + angle - along))
     return valley_potential(distance, taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
 
 

@@ -85,7 +85,7 @@ def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sigh
     for user in users:
         for i, table in tables:
             for watch in table.get(user.lane_id, ()):
-                if watch.edges == user.route[: len(watch.edges)]:
+                if not user.route or watch.edges == user.route[: len(watch.edges)]:
                     foe = _foe(user, i, watch)
                     if foe.to_clear > 0.0:
                         yield foe

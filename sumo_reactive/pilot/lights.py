@@ -37,4 +37,4 @@ def holds_back(letter: str, to_line: float, speed: float) -> bool:
     if to_line < 0.0:
         return False
     stops = speed * speed <= 2.0 * YELLOW_DECELERATION * max(to_line, 0.5)
-    return letter in "rRuyY" and stops
+    return letter != "" and letter in "rRuyY" and stops

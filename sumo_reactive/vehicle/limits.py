@@ -36,7 +36,7 @@ class VehicleLimits:
         for name, value in positive.items():
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"vehicle {name} must be positive and finite, got {value}")
-        if self.front_overhang < 0.0 or self.rear_overhang < 0.0:
+        if not (self.front_overhang >= 0.0 and self.rear_overhang >= 0.0):
             raise ValueError("wheelbase and front overhang do not fit the vehicle's length")
 
     @property

@@ -132,6 +132,8 @@ def _gives_way(foe: Foe, own: Passing, committed: bool) -> bool:
     all_way = conflict.other.control is Control.ALL_WAY_STOP
     if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
         return False
+    if all_way and not committed and user.speed < STANDING_SPEED:
+        return False  # it stopped before the ego, see `_can_come`
     room = _room_to_wait(foe)
     if room is None:
         return False
@@ -181,7 +183,7 @@ def exit_is_blocked(crossing: Crossing, snapshot: Snapshot, limits: VehicleLimit
     crossed = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING]
     if not crossed or not crossing.connection.keep_clear or snapshot.front > crossing.passage.start:
         return ""
-    behind = crossing.at(max(crossed)) + limits.length
+    behind = crossing.at(max(crossed)) + limits.length + limits.standstill_gap
     acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
     time = travel_time(behind - snapshot.front, snapshot.ego.speed, acceleration, crossing.pace)
     for obstacle in snapshot.on_path:
