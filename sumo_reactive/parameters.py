@@ -296,3 +296,6 @@ SLOT_HEADWAY_S = 0.4
 
 COMFORT_EXCESS = 1.2
 """Braking harder than this times the comfortable one may jerk."""
+
+STUCK_S = 600.0
+"""s; an ego that has been standing this long ends the run as not arrived."""

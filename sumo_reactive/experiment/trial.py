@@ -18,6 +18,7 @@ from sumo_reactive.experiment.result import Override, TrialResult
 from sumo_reactive.experiment.scenario import Scenario
 from sumo_reactive.experiment.trip import Trip
 from sumo_reactive.messages.record import Scene
+from sumo_reactive.parameters import STUCK_S
 from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
 from sumo_reactive.sumo.net_reader import NetFile, read_net
@@ -69,7 +70,7 @@ def _drive(
             mark_cached()
         if scenario.until_s is not None and scene.step.time >= scenario.until_s:
             return trip, jury, "arrived" if trip.arrived else f"until {scenario.until_s:g} s"
-    return trip, jury, "arrived" if trip.arrived else f"the scenario ended at {session.time:.1f} s"
+    return trip, jury, "arrived" if trip.arrived else f"stood still for {STUCK_S:g} s: {trip.stuck}"
 
 
 def _find_ego(session: Session, scenario: Scenario, config: SumoConfig, progress: Progress | None) -> tuple[str, str]:

@@ -9,7 +9,7 @@ from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import Traffic
-from sumo_reactive.parameters import OFF_CURVE_M, PLAN_RESERVE_M
+from sumo_reactive.parameters import OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
 from sumo_reactive.pilot.behaviours.cautious import letter_of
 from sumo_reactive.planner.lane_choice import choose_lanes
 from sumo_reactive.planner.planner import PlanStart, plan
@@ -34,6 +34,8 @@ class Trip:
         self.step_length = session.step_length
         self.distance = self.time_loss = 0.0
         self.emergencies = 0
+        self.stuck = ""
+        self._moved = session.time
         self._session = session
         self._route = self.ego.route
         graph = net.build(self._route.edges)
@@ -54,7 +56,7 @@ class Trip:
         """Drive step by step until the ego arrives or the simulation ends."""
         traffic = self._observe()
         self._controller.step(traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
-        while not self.arrived and not self._session.is_over():
+        while not self.arrived and not self.stuck:
             began = clock.perf_counter()
             step = self._controller.step(traffic, self._drive, self.step_length)
             control_us = 1e6 * (clock.perf_counter() - began)
@@ -79,6 +81,10 @@ class Trip:
         self.distance += step.drive.ego.speed * self.step_length
         self.time_loss = self.ego.time_loss()
         self.emergencies += step.execution.emergency
+        if step.drive.ego.speed >= STANDING_SPEED:
+            self._moved = self.end
+        if self.end - self._moved >= STUCK_S:
+            self.stuck = _reason(step)
 
     def _observe(self) -> Traffic:
         drive = self._drive
@@ -171,6 +177,13 @@ class Trip:
             if before <= passage.start < after:
                 return letter_of(self.graph.connections[passage.connection_id], step.snapshot)
         return ""
+
+
+def _reason(step: Step) -> str:
+    """Say in a few words why the ego stands."""
+    reasons = [f"{d.reason.value} ({d.cause})" if d.cause else d.reason.value for d in step.completed.decisions]
+    reasons += [f"behind {leader.user_id}" for leader in step.completed.leaders[:1]]
+    return "; ".join(reasons) or "for no reason"
 
 
 def _segment(plan_now: NominalPlan, front: float) -> LaneSegment:

@@ -34,6 +34,12 @@ QUINTIC_STEP_CURVATURE = 5.77
 QUINTIC_TURN_CURVATURE = 3.6
 """Peak curvature of a quintic that takes out a heading error, times length / error."""
 
+FOOT_REACH_M = 2.5
+"""A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
+
+MIN_STRETCH = 0.05
+"""Least metres of C per metre of reference: inside a bend about a point of the line its places keep their order."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
@@ -57,14 +63,16 @@ def trajectory(
     reference: Reference, front: tuple[float, float, float], speed: float, speed_factor: float, limits: VehicleLimits
 ) -> Trajectory:
     """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference."""
-    line = _sampled(reference)
-    line, blend = _met_from(line, front, speed, reference.pieces[0].lane.width, limits)
+    sampled = _sampled(reference)
+    line, blend = _met_from(sampled, front, speed, reference.pieces[0].lane.width, limits)
     pace = lane_limits(reference.pieces, CURVE_STEP_M * np.arange(len(line), dtype=np.float64), speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
     fitted, index = turnable(fitted, line, curvature_of(fitted), CURVATURE_MARGIN * limits.max_curvature)
     curve, arc = _even(fitted)
-    return Trajectory(curve, CURVE_STEP_M * index, arc, float(np.interp(blend, CURVE_STEP_M * index, arc)))
+    reference_arc = CURVE_STEP_M * np.arange(len(sampled), dtype=np.float64)
+    arc = _feet(sampled, curve, np.interp(reference_arc, CURVE_STEP_M * index, arc))
+    return Trajectory(curve, reference_arc, arc, float(np.interp(blend, reference_arc, arc)))
 
 
 def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
@@ -111,6 +119,23 @@ def _blend_length(offset: float, error: float, speed: float, width: float, limit
     turning = QUINTIC_TURN_CURVATURE * error / bend
     comfortable = speed * LANE_CHANGE_DURATION_S * min(offset / width, 1.0)
     return min(max(MIN_START_BLEND_M, lateral, turning, comfortable), MAX_START_BLEND_M)
+
+
+def _feet(line: Points, curve: Curve, guess: Floats) -> Floats:
+    """Return the arc lengths (n,), m, where the samples `line` (n, 2) project on C near `guess` (n,), increasing.
+
+    Smoothing moves samples along the line too: into a turn that it shortens by up to 0.3 m on either side.
+    """
+    places = np.column_stack([curve.x, curve.y])
+    reach = int(FOOT_REACH_M / CURVE_STEP_M)
+    k = np.clip((guess / CURVE_STEP_M).astype(int)[:, None] + np.arange(-reach, reach + 1), 0, len(places) - 2)
+    way, off = places[k + 1] - places[k], line[:, None, :] - places[k]
+    share = np.clip((off * way).sum(axis=2) / np.maximum((way**2).sum(axis=2), 1e-12), 0.0, 1.0)
+    nearest = np.argmin(((off - share[..., None] * way) ** 2).sum(axis=2), axis=1)
+    rows = np.arange(len(line))
+    least = MIN_STRETCH * CURVE_STEP_M * rows
+    found = curve.step * (k[rows, nearest] + share[rows, nearest])
+    return np.minimum(np.maximum.accumulate(found - least) + least, curve.length)
 
 
 def _even(points: Points) -> tuple[Curve, Floats]:

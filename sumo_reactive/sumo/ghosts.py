@@ -41,9 +41,12 @@ class Ghosts:
         gx, gy = lane.spine.at(s)
         if not self._ghost:
             self._create(lane, s / lane.scale, speed, edges)
-        libsumo.vehicle.setSpeed(self._ghost, speed)
         angle = angle_of(lane.spine.heading_at(s))
-        libsumo.vehicle.moveToXY(self._ghost, "", -1, gx, gy, angle, KEEP_ROUTE_EXACT)
+        try:
+            libsumo.vehicle.setSpeed(self._ghost, speed)
+            libsumo.vehicle.moveToXY(self._ghost, "", -1, gx, gy, angle, KEEP_ROUTE_EXACT)
+        except libsumo.TraCIException:  # SUMO has taken it off the road: the next step makes another
+            self._ghost = ""
 
     def hide(self) -> None:
         """Remove the ghost, if there is one."""

@@ -1,0 +1,82 @@
+"""The house's own rules: linter, types, layers, docstrings, nothing that holds on one machine only."""
+
+from __future__ import annotations
+
+import ast
+import gzip
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "sumo_reactive"
+TOOLS = ROOT / "tools"
+MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|tmp|work|mnt|var|Users)/\w")
+"""The beginnings of paths that exist on one machine only."""
+
+
+def complaints_of(program: str, *arguments: str) -> str:
+    """Run a program of this environment in the project's folder; return what it says if it fails."""
+    command = [str(Path(sys.executable).parent / program), *arguments]
+    answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, encoding="utf-8", timeout=300, check=False)
+    return "" if answer.returncode == 0 else answer.stdout + answer.stderr
+
+
+def tracked_files() -> list[Path]:
+    """Return the files of the repository, also those that are new and not ignored."""
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a clone")
+    listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listing, cwd=ROOT, capture_output=True, text=True, encoding="utf-8", timeout=60, check=True)
+    files = [ROOT / name for name in names.stdout.split("\0") if name]
+    return [file for file in files if file.is_file()]
+
+
+def text_of(file: Path) -> str:
+    """Return what a file holds, unpacked if it is compressed."""
+    data = file.read_bytes()
+    return (gzip.decompress(data) if file.suffix == ".gz" else data).decode("utf-8", errors="replace")
+
+
+def undocumented(file: Path) -> Iterator[str]:
+    """Yield the public modules, classes and functions of a file that have no docstring."""
+    module = ast.parse(file.read_text(encoding="utf-8"))
+    if ast.get_docstring(module) is None:
+        yield f"{file.relative_to(ROOT)}: module"
+    for node in _public(module):
+        if ast.get_docstring(node) is None:
+            yield f"{file.relative_to(ROOT)}:{node.lineno}: {node.name}"
+
+
+def _public(parent: ast.Module | ast.ClassDef) -> Iterator[ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef]:
+    for node in parent.body:
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and not node.name.startswith("_"):
+            yield node
+            if isinstance(node, ast.ClassDef):
+                yield from _public(node)
+
+
+def test_the_linter_has_no_complaint():
+    assert complaints_of("ruff", "check", "--no-cache", ".") == ""
+
+
+def test_every_type_is_stated_and_right():
+    assert complaints_of("mypy", "--strict") == ""
+
+
+def test_every_room_uses_only_what_is_below_it():
+    assert complaints_of("lint-imports") == ""
+
+
+def test_every_public_name_has_a_docstring():
+    sources = [*PACKAGE.rglob("*.py"), *TOOLS.glob("*.py")]
+    assert [complaint for source in sources for complaint in undocumented(source)] == []
+
+
+def test_no_file_holds_a_path_of_one_machine():
+    found = [(file.relative_to(ROOT), match[0]) for file in tracked_files() if (match := MACHINE_PATH.search(text_of(file)))]
+    assert found == []
