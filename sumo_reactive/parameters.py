@@ -299,3 +299,6 @@ COMFORT_EXCESS = 1.2
 
 STUCK_S = 600.0
 """s; an ego that has been standing this long ends the run as not arrived."""
+
+OFF_THE_LINE_M = 1.5
+"""A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""

@@ -31,8 +31,9 @@ ROUTE = ("from_south", "to_west")
 TO_LINE_M, SPEED, PERIOD_S = 12.0, 6.0, 0.1
 OTHERS = (
     ("from_west_0", -4.0, 11.0, "to_east"), ("from_west_0", -14.0, 11.0, "to_east"), ("from_east_0", -3.0, 12.0, "to_west"),
-    ("from_east_0", -13.0, 12.0, "to_south"), ("from_north_0", -2.0, 3.0, "to_south"), ("from_north_0", -9.0, 2.0, "to_south"),
-    ("to_east_0", 8.0, 13.0, ""), ("to_west_0", 9.0, 12.0, ""), ("to_south_0", 15.0, 9.0, ""), ("from_south_0", -2.0, 5.0, "to_west"),
+    ("from_east_0", -13.0, 12.0, "to_south"), ("from_north_0", -2.0, 3.0, "to_south"),
+    ("from_north_0", -9.0, 2.0, "to_south"), ("to_east_0", 8.0, 13.0, ""), ("to_west_0", 9.0, 12.0, ""),
+    ("to_south_0", 15.0, 9.0, ""), ("from_south_0", -2.0, 5.0, "to_west"),
 )  # fmt: skip
 """Lane, place on it (m, negative: from its end), speed (m/s) and next edge of each car near."""
 

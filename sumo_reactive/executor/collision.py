@@ -54,7 +54,9 @@ def braking_collides(
             reach = bv * t - 0.5 * boxes[k, 4]
             bx, by = boxes[k, 0] + reach * cos_b, boxes[k, 1] + reach * sin_b
             ahead = (boxes[k, 0] - x) * math.cos(heading) + (boxes[k, 1] - y) * math.sin(heading)
-            if ahead > axle_to_front - 0.5 * length and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]):
+            if ahead > axle_to_front - 0.5 * length and boxes_overlap(
+                cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]
+            ):
                 return True
         px, py, ph = advance_pose(px, py, ph, v, steering_angle, wheelbase, step)
         v = max(0.0, v - deceleration * step)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.executor.command_grid import fine_grid, gentlest_brake, paper_grid
+from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid
 from sumo_reactive.executor.field import EMERGENCY, choose_command
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.executor.velocity import cruise_speed, following_speed, stopping_speed
@@ -65,11 +65,13 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     best = max(_cruise(snapshot, completed, limits, period), speed - comfort * period)
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
-        braking = max(comfort, _needed(speed, 0.0, away, limits))
+        room = max(away, 0.5 * (completed.stop.s - HARD_STOP_MARGIN_M - front))
+        braking = max(comfort, _needed(speed, 0.0, room, limits))
         best = min(best, max(stopping_speed(away, comfort, period), speed - braking * period))
     for leader in completed.leaders:
         gap = leader.s - front - limits.standstill_gap
-        braking = max(comfort, _needed(speed, leader.speed, gap, limits))
+        room = max(gap, 0.5 * (leader.s - SAFE_GAP_M - front))
+        braking = max(comfort, _needed(speed, leader.speed, room, limits))
         following = following_speed(gap, leader.speed, comfort, limits.time_headway)
         best = min(best, max(following, speed - braking * period))
     if completed.slot is not None:

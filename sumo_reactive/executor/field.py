@@ -40,8 +40,9 @@ def valley_at(
 ) -> float:  # fmt: skip
     """U₁ of a pose: from the bitmaps of its control points F and R, or from exact distances.
 
-    Both look ahead, the wheels held, for a distance without its direction does not damp. The exact form is the distance that F will have to C a look-ahead later if its velocity keeps the angle to C that it
-    has in the middle of the period: zero for a car that follows C, whatever the curvature.
+    Both look ahead, the wheels held, for a distance without its direction does not damp. The exact form is the distance
+    that F will have to C a look-ahead later if its velocity keeps the angle to C that it has in the middle of the period:
+    zero for a car that follows C, whatever the curvature.
     """
     reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
     if len(bitmaps) > 0:

@@ -49,6 +49,8 @@ def run_trial(scenario: Scenario, *, observer: Observer | None = None, progress:
             ego_id, chosen = _find_ego(session, scenario, config, progress)
             trip, jury, ended = _drive(session, ego_id, net, scenario, observer, progress)
             if scenario.until_end:
+                if not trip.arrived:
+                    trip.ego.release()
                 session.play_out(scenario.until_s, progress)
             return _result(scenario, trip, jury, (*changed, *left_out), chosen, ended, begin)
 

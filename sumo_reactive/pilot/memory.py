@@ -8,11 +8,12 @@ from sumo_reactive.world.route import ScheduledStop
 
 
 class PilotMemory(NamedTuple):
-    """Since when the ego stands (s; None: it moves), at which connection's line it has come to a full stop, which
-    scheduled stops it has served, and until when it serves the present one (s; None: it serves none)."""
+    """Since when the ego stands (s; None: it moves), at which connection's line it has come to a full stop and when (s),
+    which scheduled stops it has served, and until when it serves the present one (s; None: it serves none)."""
 
     standing_since: float | None = None
     stopped_at: str = ""
+    stopped_since: float = 0.0
     served: tuple[ScheduledStop, ...] = ()
     serving_until: float | None = None
 

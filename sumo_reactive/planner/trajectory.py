@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.geometry.polyline import Points, Polyline
 from sumo_reactive.parameters import (
     CURVATURE_MARGIN,
     CURVE_STEP_M,
@@ -21,7 +21,7 @@ from sumo_reactive.parameters import (
     PLAN_HORIZON_M,
     START_CURVATURE_SHARE,
 )
-from sumo_reactive.planner.reference import Piece, Reference
+from sumo_reactive.planner.reference import Piece, Reference, cut
 from sumo_reactive.planner.smoothing import curvature_of, smoothed
 from sumo_reactive.planner.turning import turnable
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -63,16 +63,17 @@ def trajectory(
     reference: Reference, front: tuple[float, float, float], speed: float, speed_factor: float, limits: VehicleLimits
 ) -> Trajectory:
     """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference."""
-    sampled = _sampled(reference)
-    line, blend = _met_from(sampled, front, speed, reference.pieces[0].lane.width, limits)
-    pace = lane_limits(reference.pieces, CURVE_STEP_M * np.arange(len(line), dtype=np.float64), speed_factor)
+    centre = _centre_line(reference)
+    u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1)
+    line, blend = _met_from(_points_at(centre, u), front, speed, reference.pieces[0].lane.width, limits)
+    pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
     fitted, index = turnable(fitted, line, curvature_of(fitted), CURVATURE_MARGIN * limits.max_curvature)
     curve, arc = _even(fitted)
-    reference_arc = CURVE_STEP_M * np.arange(len(sampled), dtype=np.float64)
-    arc = _feet(sampled, curve, np.interp(reference_arc, CURVE_STEP_M * index, arc))
-    return Trajectory(curve, reference_arc, arc, float(np.interp(blend, reference_arc, arc)))
+    places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
+    feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
+    return Trajectory(curve, places, feet, float(np.interp(blend, places, feet)))
 
 
 def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
@@ -82,13 +83,17 @@ def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
     return np.asarray(np.array([piece.lane.speed_limit for piece in pieces])[index] * speed_factor)
 
 
-def _sampled(reference: Reference) -> Points:
-    """Return the reference every CURVE_STEP_M, shape (n ≥ 8, 2)."""
-    points = np.vstack(reference.points)
-    arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-    end = arc[-1] if reference.goal is not None else min(float(arc[-1]), PLAN_HORIZON_M)
-    u = np.arange(int(end / CURVE_STEP_M) + 1) * CURVE_STEP_M
-    return np.column_stack([np.interp(u, arc, points[:, k]) for k in (0, 1)])
+def _centre_line(reference: Reference) -> Polyline:
+    """Return the reference as one line, up to the horizon unless it ends at the goal."""
+    line = Polyline(np.vstack(reference.points))
+    if reference.goal is not None or line.length <= PLAN_HORIZON_M:
+        return line
+    return Polyline(cut(line, 0.0, PLAN_HORIZON_M))
+
+
+def _points_at(line: Polyline, u: Floats) -> Points:
+    """Return the points (n, 2) of `line` at arc lengths `u` (n,), m."""
+    return np.column_stack([np.interp(u, line.arc_lengths, line.points[:, k]) for k in (0, 1)])
 
 
 def _met_from(
@@ -121,21 +126,20 @@ def _blend_length(offset: float, error: float, speed: float, width: float, limit
     return min(max(MIN_START_BLEND_M, lateral, turning, comfortable), MAX_START_BLEND_M)
 
 
-def _feet(line: Points, curve: Curve, guess: Floats) -> Floats:
-    """Return the arc lengths (n,), m, where the samples `line` (n, 2) project on C near `guess` (n,), increasing.
+def _feet(points: Points, u: Floats, curve: Curve, guess: Floats) -> Floats:
+    """Return the arc lengths (n,), m, where the `points` (n, 2) at `u` (n,) project on C near `guess`, increasing.
 
-    Smoothing moves samples along the line too: into a turn that it shortens by up to 0.3 m on either side.
+    Smoothing moves samples along the line too: into a turn that it shortens, by up to 0.3 m on either side.
     """
-    places = np.column_stack([curve.x, curve.y])
-    reach = int(FOOT_REACH_M / CURVE_STEP_M)
-    k = np.clip((guess / CURVE_STEP_M).astype(int)[:, None] + np.arange(-reach, reach + 1), 0, len(places) - 2)
-    way, off = places[k + 1] - places[k], line[:, None, :] - places[k]
+    samples = np.column_stack([curve.x, curve.y])
+    reach = int(FOOT_REACH_M / curve.step)
+    k = np.clip((guess / curve.step).astype(int)[:, None] + np.arange(-reach, reach + 1), 0, len(samples) - 2)
+    way, off = samples[k + 1] - samples[k], points[:, None, :] - samples[k]
     share = np.clip((off * way).sum(axis=2) / np.maximum((way**2).sum(axis=2), 1e-12), 0.0, 1.0)
     nearest = np.argmin(((off - share[..., None] * way) ** 2).sum(axis=2), axis=1)
-    rows = np.arange(len(line))
-    least = MIN_STRETCH * CURVE_STEP_M * rows
+    rows, least = np.arange(len(points)), MIN_STRETCH * u
     found = curve.step * (k[rows, nearest] + share[rows, nearest])
-    return np.minimum(np.maximum.accumulate(found - least) + least, curve.length)
+    return np.asarray(np.minimum(np.maximum.accumulate(found - least) + least, curve.length))
 
 
 def _even(points: Points) -> tuple[Curve, Floats]:

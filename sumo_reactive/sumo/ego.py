@@ -37,6 +37,7 @@ class Ego:
         self.vehicle_class: str = vehicle_class
         self.limits: VehicleLimits = limits_of(vehicle_id)
         self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)
+        self._refuse_oncoming_side()
         self.route = self._read_route()
         self._standing = 0.0
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
@@ -113,6 +114,14 @@ class Ego:
         libsumo.vehicle.setSpeed(self.id, -1.0)
         libsumo.vehicle.setSpeedMode(self.id, 31)
         libsumo.vehicle.setLaneChangeMode(self.id, 1621)
+
+    def _refuse_oncoming_side(self) -> None:
+        lane_id = libsumo.vehicle.getLaneID(self.id)
+        if not lane_id:
+            raise ScenarioError(f"ego '{self.id}' is on no lane at {libsumo.simulation.getTime():.1f} s")
+        along = heading_of(libsumo.lane.getAngle(lane_id, libsumo.vehicle.getLanePosition(self.id)))
+        if math.cos(along - heading_of(libsumo.vehicle.getAngle(self.id))) < 0.0:
+            raise ScenarioError(f"ego '{self.id}' is on the oncoming side of lane '{lane_id}'; it cannot be taken over there")
 
     def _read_route(self) -> Route:
         index = max(0, libsumo.vehicle.getRouteIndex(self.id))

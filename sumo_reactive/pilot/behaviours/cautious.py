@@ -43,5 +43,5 @@ def stop_at_line(
     if not due or memory.stopped_at == connection.id:
         return None, memory
     if snapshot.ego.speed < STANDING_SPEED and to_line < STOP_REACHED_M:
-        return None, memory._replace(stopped_at=connection.id)
+        return None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
     return StopAt(passage.start, Reason.STOP_SIGN), memory

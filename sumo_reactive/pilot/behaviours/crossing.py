@@ -14,6 +14,7 @@ from sumo_reactive.parameters import (
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
     MAX_ACCELERATION_IN_PLAN,
+    OFF_THE_LINE_M,
     REGION_MARGIN_M,
     STANDING_SPEED,
     WAIT_SHIFT_M,
@@ -120,7 +121,8 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
         return True
     if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
         in_vain = standing > FOE_PATIENCE_S and user.waiting_time > 2.0 * FOE_PATIENCE_S
-        return user.waiting_time > standing and not in_vain
+        own = snapshot.time - memory.stopped_since if memory.stopped_at == crossing.connection.id else 0.0
+        return user.waiting_time > own and not in_vain
     return user.waiting_time <= FOE_PATIENCE_S or standing <= FOE_PATIENCE_S
 
 
@@ -132,8 +134,8 @@ def _gives_way(foe: Foe, own: Passing, committed: bool) -> bool:
     all_way = conflict.other.control is Control.ALL_WAY_STOP
     if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
         return False
-    if all_way and not committed and user.speed < STANDING_SPEED:
-        return False  # it stopped before the ego, see `_can_come`
+    if all_way and not committed and (user.speed < STANDING_SPEED or foe.to_stop_line < OFF_THE_LINE_M):
+        return False  # it stopped before the ego, see `_can_come`, or is already leaving its line
     room = _room_to_wait(foe)
     if room is None:
         return False
