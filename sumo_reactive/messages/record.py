@@ -14,7 +14,7 @@ class StepRecord(NamedTuple):
     `x`, `y` is the front bumper's centre (m), `heading` in rad. `s`, `d`: front axle on C (m). `stop_s` is the planned
     stop (m on C, NaN: none). `u`, `u1`, `u2`, `u3`: potential and its terms for the chosen command. `leader`, `gap`: the
     vehicle that limits the ego and its distance (m, NaN: none). `control_us`: time of the control step. `lane_id` is
-    where SUMO maps the ego (empty: nowhere). `committed`: the ego is inside a junction. `light`: letter that applied to
+    where SUMO maps the ego (empty: nowhere). `light`: letter that applied to
     the stop line crossed in this step (empty: none crossed).
     """
 

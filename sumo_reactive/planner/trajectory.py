@@ -64,7 +64,7 @@ def trajectory(
 ) -> Trajectory:
     """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference."""
     centre = _centre_line(reference)
-    u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1)
+    u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
     line, blend = _met_from(_points_at(centre, u), front, speed, reference.pieces[0].lane.width, limits)
     pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2

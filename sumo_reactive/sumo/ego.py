@@ -12,9 +12,10 @@ from sumo_reactive.messages.completed_plan import Intent
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.parameters import STANDING_SPEED, TELEPORT_GUARD_S
 from sumo_reactive.sumo.trips import arrival_of
-from sumo_reactive.sumo.units import INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
+from sumo_reactive.sumo.units import FREE_EXACT, INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS, limits_of
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 from sumo_reactive.world.route import Route, ScheduledStop
 
@@ -40,6 +41,7 @@ class Ego:
         self._refuse_oncoming_side()
         self.route = self._read_route()
         self._standing = 0.0
+        self._unmapped = False
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
     def take_over(self, step_length: float) -> VehicleState:
@@ -64,11 +66,16 @@ class Ego:
         heading = heading_of(libsumo.vehicle.getAngle(self.id))
         return VehicleState(pose_of(x, y, heading, self.limits), max(0.0, libsumo.vehicle.getSpeed(self.id)), 0.0)
 
-    def place(self, state: VehicleState, intent: Intent, duration: float) -> None:
-        """Announce the intent and command the state that the next simulation step ends in."""
+    def place(self, state: VehicleState, intent: Intent, duration: float, lane: Lane) -> None:
+        """Announce the intent and command the state that the next simulation step ends in; `lane`: where C is there.
+
+        SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
+        between the same two edges), it is told the lane, until the ego is out of the junction.
+        """
         x, y = front_of(state.pose, self.limits)
         libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
-        libsumo.vehicle.moveToXY(self.id, "", -1, x, y, angle_of(state.pose.heading), KEEP_ROUTE_EXACT)
+        edge, index, mode = (lane.edge_id, lane.index, FREE_EXACT) if self._unmapped else ("", -1, KEEP_ROUTE_EXACT)
+        libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
 
     def _announced(self, speed: float, intent: Intent, duration: float) -> float:
         if speed >= STANDING_SPEED:
@@ -91,7 +98,20 @@ class Ego:
             raise SimulationError(f"SUMO has taken ego '{self.id}' off the road: {error}") from error
         if math.hypot(px - x, py - y) > 0.01:
             raise SimulationError(f"SUMO moved ego '{self.id}' to ({px:.2f}, {py:.2f}) instead of ({x:.2f}, {y:.2f})")
-        return str(libsumo.vehicle.getLaneID(self.id))
+        lane_id = str(libsumo.vehicle.getLaneID(self.id))
+        if not lane_id:
+            self._unmapped = True
+        elif self._unmapped and not lane_id.startswith(":"):
+            self._unmapped = False
+            self._restore_route(lane_id.rpartition("_")[0])
+        return lane_id
+
+    def _restore_route(self, edge_id: str) -> None:
+        """Give SUMO the route again, from `edge_id` on, if telling it the lane has replaced it."""
+        edges = self.route.edges
+        left = tuple(libsumo.vehicle.getRoute(self.id))[max(0, libsumo.vehicle.getRouteIndex(self.id)) :]
+        if edge_id in edges and left != edges[len(edges) - len(left) :]:
+            libsumo.vehicle.setRoute(self.id, edges[edges.index(edge_id) :])
 
     def lane_position(self, graph: RoadGraph, lane_id: str) -> float:
         """Return the front's arc length on the spine of its lane, m."""
@@ -121,7 +141,8 @@ class Ego:
             raise ScenarioError(f"ego '{self.id}' is on no lane at {libsumo.simulation.getTime():.1f} s")
         along = heading_of(libsumo.lane.getAngle(lane_id, libsumo.vehicle.getLanePosition(self.id)))
         if math.cos(along - heading_of(libsumo.vehicle.getAngle(self.id))) < 0.0:
-            raise ScenarioError(f"ego '{self.id}' is on the oncoming side of lane '{lane_id}'; it cannot be taken over there")
+            place = f"on the oncoming side of lane '{lane_id}'"
+            raise ScenarioError(f"ego '{self.id}' is {place}; it cannot be taken over there")
 
     def _read_route(self) -> Route:
         index = max(0, libsumo.vehicle.getRouteIndex(self.id))

@@ -13,6 +13,7 @@ PREFIX = "reactive.ghost."
 """Ids of ghosts begin with this; no figure counts them."""
 
 _VAPORIZED = 3
+_NO_LIMIT = 100.0
 _SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
 
 
@@ -70,5 +71,7 @@ class Ghosts:
 
     def _make_type(self) -> None:
         libsumo.vehicletype.copy(libsumo.vehicle.getTypeID(self._ego_id), self._type)
+        libsumo.vehicletype.setMaxSpeed(self._type, _NO_LIMIT)  # SUMO inserts no vehicle above its own limit
+        libsumo.vehicletype.setSpeedFactor(self._type, _NO_LIMIT)
         for device in _SILENT_DEVICES:
             libsumo.vehicletype.setParameter(self._type, f"has.{device}.device", "false")

@@ -10,6 +10,9 @@ from sumo_reactive.vehicle.limits import VehicleLimits
 KEEP_ROUTE_EXACT = 3
 """moveToXY: keep the route (bit 0) and the exact position (bit 1)."""
 
+FREE_EXACT = 2
+"""moveToXY: any lane, the exact position; the route may be replaced."""
+
 INVALID = -1073741824.0
 """SUMO's mark for a value that is not set."""
 
