@@ -23,8 +23,8 @@ from sumo_reactive.vehicle.bicycle import advance
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
 
-PAPER_WEIGHTS = Weights(valley=1.5, shadow=0.3, velocity=1.0)
-"""On a bitmap of 0.2 m cells U₁ is rough: a steeper valley would hold a standing car in its cell."""
+PAPER_WEIGHTS = Weights(valley=15.0, shadow=0.3, velocity=1.0)
+"""Found by hand, as the paper's were: nine commands keep to C only if U₁ outweighs a step of speed (F&L 1991, §4)."""
 
 
 class Profile(Enum):

@@ -141,8 +141,11 @@ HARD_STOP_MARGIN_M = 0.4
 MAX_LATERAL_JERK = 8.0
 """m/s³; bounds φ̇max at road speed."""
 
-PAPER_LATERAL_STEP = 1.6
-"""m/s²; change of lateral acceleration that one of the nine commands makes at most."""
+PAPER_LATERAL_STEP = 0.9
+"""m/s²; most that one of the nine commands changes the lateral acceleration: coarser, it weaves; finer, it turns late."""
+
+PAPER_STEERING_SPEED = 4.0
+"""m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
 
 STEERING_GAIN = 1.0
 """1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""

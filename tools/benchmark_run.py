@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Time whole runs against plain `sumo` on the same scenario, seed, step length and end.
 
-    python tools/benchmark_run.py [--scenario FILE --scale FACTOR] [--repeats N] [--sumo PROGRAM]
+    python tools/benchmark_run.py [--scenario FILE --scale FACTOR --until S] [--until-end] [--repeats N] [--sumo PROGRAM]
 
-Both programs run in turn and simulate the same time: from the scenario's begin until the ego has arrived. "Process" is the
-time from start to end of the process, "simulation" that of the simulated part alone: without interpreter, imports, reading
-the network and, in ours, the verdicts at the end. The figures are medians. "Added" is what a driven step costs more than
-SUMO's own.
+Both programs run in turn and simulate the same time: from the scenario's begin until the ego has arrived, or, with
+`--until-end`, until the scenario's end. "Process" is the time from start to end of the process, "simulation" that of the
+simulated part alone: without interpreter, imports, reading the network and, in ours, the plan, the loading of the kernels
+and the verdicts at the end. The figures are medians. "Added" is what a driven step costs more than SUMO's own.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from statistics import mean, median
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
-CASES = (("multi_lane_road", 3.0), ("on_ramp_merge", 2.0), ("city_grid", 0.3), ("city_grid", 3.0))
-"""Own scenarios and the factor on their traffic: three with about 60 cars, one with 500."""
+CASES = (("multi_lane_road", 3.0, None), ("on_ramp_merge", 3.0, None), ("city_grid", 0.25, None), ("city_grid", 3.0, 240.0))
+"""Own scenarios, the factor on their traffic, and when to end (s): three with about 60 cars, one with 500 or more."""
 
 TARGETS = "targets: ratio ≤ 2.5 with about 60 vehicles in the network, ≤ 1.2 with 500 or more"
 
@@ -35,18 +35,30 @@ import json, sys, time
 from sumo_reactive import cli
 from sumo_reactive.experiment import trial
 marks, drive = {}, trial._drive
-class Timed(trial.Session):
+class TimedSession(trial.Session):
     def __enter__(self):
         session = super().__enter__()
         marks["begin"] = time.perf_counter()
         return session
+    def __exit__(self, *error):
+        marks["until"] = self.time
+        super().__exit__(*error)
+    def play_out(self, *rest):
+        began = time.perf_counter()
+        super().play_out(*rest)
+        marks["played out"] = time.perf_counter() - began
+class TimedTrip(trial.Trip):
+    def scenes(self):
+        for scene in super().scenes():
+            marks.setdefault("driving", time.perf_counter())
+            yield scene
 def timed(session, *rest):
     marks["taken over"] = time.perf_counter()
     result = drive(session, *rest)
-    marks["end"], marks["until"] = time.perf_counter(), session.time
+    marks["driven"] = time.perf_counter()
     marks["steps"] = round((session.time - result[0].departure) / session.step_length)
     return result
-trial.Session, trial._drive = Timed, timed
+trial.Session, trial.Trip, trial._drive = TimedSession, TimedTrip, timed
 try:
     cli.main()
 finally:
@@ -56,10 +68,12 @@ finally:
 
 
 class Case(NamedTuple):
-    """A scenario `.toml` and the factor on its traffic."""
+    """A scenario `.toml`, the factor on its traffic, the latest end (s, None: the ego's arrival), whether to play it out."""
 
     scenario: Path
     scale: float
+    until: float | None
+    until_end: bool
 
 
 class Run(NamedTuple):
@@ -76,16 +90,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenario", type=Path, help="a scenario .toml of this repository; else four of its own")
     parser.add_argument("--scale", type=float, default=1.0, help="factor on the scenario's traffic (with --scenario)")
+    parser.add_argument("--until", type=float, help="end at this simulation time at the latest, s (with --scenario)")
+    parser.add_argument("--until-end", action="store_true", help="play on after the ego has arrived")
     parser.add_argument("--repeats", type=int, default=5, help="runs of each program (default 5)")
     parser.add_argument("--sumo", default="", help="the plain sumo program; else the one beside this Python, or on the path")
     asked = parser.parse_args()
     sumo = asked.sumo or shutil.which("sumo", path=str(Path(sys.executable).parent)) or shutil.which("sumo")
     if not sumo:
         raise SystemExit("no plain sumo program: install eclipse-sumo or name one with --sumo")
-    cases = [Case(ROOT / "scenarios" / f"{name}.toml", scale) for name, scale in CASES]
+    cases = [Case(ROOT / "scenarios" / f"{name}.toml", scale, until, asked.until_end) for name, scale, until in CASES]
+    if asked.scenario:
+        cases = [Case(asked.scenario, asked.scale, asked.until, asked.until_end)]
     print(f"{TARGETS}\n{'':24}{'vehicles':>9}{'until':>8}|{'process (s)':^26}|{'simulation (s)':^26}|{'added':>9}")
     print(f"{'':41}|{'sumo':>9}{'ours':>9}{'ratio':>8}|{'sumo':>9}{'ours':>9}{'ratio':>8}|{'µs/step':>9}")
-    for case in [Case(asked.scenario, asked.scale)] if asked.scenario else cases:
+    for case in cases:
         compare(case, sumo, asked.repeats)
 
 
@@ -104,14 +122,16 @@ def compare(case: Case, sumo: str, repeats: int) -> None:
 
 def ours(case: Case) -> Run:
     """Drive the ego to its goal."""
-    arguments = ["run", str(case.scenario), "--quiet", "--", "--scale", f"{case.scale:g}"]
+    arguments = ["run", str(case.scenario), "--quiet", *(["--until", f"{case.until:g}"] if case.until else [])]
+    arguments += [*(["--until-end"] if case.until_end else []), "--", "--scale", f"{case.scale:g}"]
     began = clock.perf_counter()
     done = subprocess.run([sys.executable, "-c", _OURS, *arguments], capture_output=True, text=True, check=False)
     whole = clock.perf_counter() - began
-    if done.returncode not in (0, 1):
+    marks = next((json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")), {})
+    if done.returncode not in (0, 1) or "driven" not in marks:
         raise SystemExit(done.stderr)
-    marks = json.loads(done.stderr.strip().splitlines()[-1])
-    return Run(whole, marks["end"] - marks["begin"], marks["until"], marks["steps"])
+    simulation = marks["taken over"] - marks["begin"] + marks["driven"] - marks["driving"] + marks.get("played out", 0.0)
+    return Run(whole, simulation, marks["until"], marks["steps"])
 
 
 def plain(case: Case, sumo: str, until: float, options: Sequence[str] = ()) -> float:

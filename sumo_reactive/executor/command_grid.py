@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_STEP
+from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_STEP, PAPER_STEERING_SPEED
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
@@ -41,9 +41,9 @@ def paper_grid(limits: VehicleLimits, speed: float, period: float) -> CommandGri
     """The nine commands of the paper: {−v̇max, 0, +v̇max} × {−φ̇max, 0, +φ̇max} (F&L 1991, §3.2).
 
     Reading: φ̇max falls with the square of the speed so that one command cannot use up the centrifugal limit; with a
-    constant φ̇max and δt = 0.5 s a car at road speed could not steer at all.
+    constant φ̇max and δt = 0.5 s a car at road speed could not steer at all. `speed` in m/s, `period` δt in s.
     """
-    lateral = PAPER_LATERAL_STEP * limits.wheelbase / max(speed, 1.0) ** 2 / period
+    lateral = PAPER_LATERAL_STEP * limits.wheelbase / max(speed, PAPER_STEERING_SPEED) ** 2 / period
     top = min(limits.max_steering_rate, lateral)
     return CommandGrid(
         np.array([-limits.service_deceleration, 0.0, limits.max_acceleration]), top * np.array([-1.0, 0.0, 1.0])

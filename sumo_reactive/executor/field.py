@@ -17,9 +17,11 @@ from sumo_reactive.geometry.curve import project_on_curve
 from sumo_reactive.parameters import (
     COLLISION_HORIZON_S,
     COLLISION_STEP_S,
+    CONTROL_PERIOD_S,
     LOOK_AHEAD_GROWTH,
     LOOK_AHEAD_S,
     MIN_LOOK_AHEAD_M,
+    PAPER_CONTROL_PERIOD_S,
     SHADOW_HORIZON_M,
     SHADOW_SCALE,
     VALLEY_ATTRACTION,
@@ -32,23 +34,27 @@ Array = NDArray[np.float64]
 ADMISSIBLE, EMERGENCY = 0, 1
 _WINDOW_M = 2.0
 
+HOLD_PARTS = round(PAPER_CONTROL_PERIOD_S / CONTROL_PERIOD_S)
+"""Parts in which a held command is driven."""
+
+MAP_STEERINGS = 2
+"""Further steerings that U₁ of the bitmaps looks ahead: 1 s at δt = 0.5 s, a turn's entry."""
+
+MIN_MAP_SPEED = 2.0
+"""m/s; …driven at least so fast, so that a standing car knows where to steer and may start beside C."""
+
 
 @kernel
 def valley_at(
     x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array, bitmaps: Array, x0: float, y0: float, cell: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
 ) -> float:  # fmt: skip
-    """U₁ of a pose: from the bitmaps of its control points F and R, or from exact distances.
+    """U₁ of a pose from exact distances.
 
-    Both look ahead, the wheels held, for a distance without its direction does not damp. The exact form is the distance
-    that F will have to C a look-ahead later if its velocity keeps the angle to C that it has in the middle of the period:
-    zero for a car that follows C, whatever the curvature.
+    It is that of the distance which F will have to C a look-ahead later if its velocity keeps the angle to C that it has
+    in the middle of the period: zero for a car that follows C, whatever the curvature.
     """
     reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
-    if len(bitmaps) > 0:
-        x, y, heading = advance_pose(x, y, heading, reach, angle, wheelbase, 1.0)
-        fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
-        return max(map_potential(bitmaps[0], fx, fy, x0, y0, cell), map_potential(bitmaps[1], x, y, x0, y0, cell))
     fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
     at, d = project_on_curve(fx, fy, cx, cy, step, s + speed * period, _WINDOW_M)
     u = (at - 0.5 * speed * period) / step
@@ -57,6 +63,46 @@ def valley_at(
     turned = 0.5 * speed * math.sin(angle) / wheelbase * period
     distance = abs(d + reach * math.sin(heading - turned + angle - along))
     return valley_potential(distance, taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
+
+
+@kernel
+def ramped(
+    x: float, y: float, heading: float, speed: float, angle: float, to_speed: float, to_angle: float, wheelbase: float,
+    period: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the pose after `period` s in which speed (m/s) and steering angle (rad) change as the held command does."""
+    for part in range(1, HOLD_PARTS + 1):
+        share = part / HOLD_PARTS
+        v, w = speed + share * (to_speed - speed), angle + share * (to_angle - angle)
+        x, y, heading = advance_pose(x, y, heading, v, w, wheelbase, period / HOLD_PARTS)
+    return x, y, heading
+
+
+@kernel
+def mapped_valley(
+    x: float, y: float, heading: float, speed: float, angle: float, turn: float, limits: Array, period: float,
+    bitmaps: Array, x0: float, y0: float, cell: float,
+) -> float:  # fmt: skip
+    """U₁ of a pose on the `bitmaps` of F and R: the least that MAP_STEERINGS further periods at `speed` can reach.
+
+    Each adds −`turn`, 0 or +`turn` rad to the steering angle, within the limits; holding it always is. Reading: a distance
+    without its direction does not damp, so U₁ is looked up where the nine commands themselves can lead.
+    """
+    least = np.inf
+    for path in range(3**MAP_STEERINGS):  # no recursion: a recursive kernel crashes when it comes from the disk cache
+        qx, qy, qh, now, left, allowed = x, y, heading, angle, path, True
+        for _ in range(MAP_STEERINGS):
+            after = now + (left % 3 - 1) * turn
+            left //= 3
+            lateral = abs(speed * speed * math.sin(after) / limits[0])
+            allowed = allowed and abs(after) <= limits[5] + 1e-9 and lateral <= max(limits[6], limits[8])
+            qx, qy, qh = ramped(qx, qy, qh, speed, now, speed, after, limits[0], period)
+            now = after
+        if allowed:
+            fx, fy = qx + limits[0] * math.cos(qh), qy + limits[0] * math.sin(qh)
+            front = map_potential(bitmaps[0], fx, fy, x0, y0, cell)
+            least = min(least, max(front, map_potential(bitmaps[1], qx, qy, x0, y0, cell)))
+    return least
 
 
 @kernel
@@ -107,9 +153,12 @@ def choose_command(
         q = next_states[k]
         if q[5] == 0.0:
             continue
-        terms[k, 0] = valley_at(
-            q[0], q[1], q[2], q[3], q[4], limits[0], period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
-        )
+        if len(bitmaps) > 0:
+            qx, qy, qh = ramped(state[0], state[1], state[2], state[3], state[4], q[3], q[4], limits[0], period)
+            v, turn = max(q[3], MIN_MAP_SPEED), rates[-1] * period
+            terms[k, 0] = mapped_valley(qx, qy, qh, v, q[4], turn, limits, period, bitmaps, x0, y0, cell)
+        else:
+            terms[k, 0] = valley_at(q[0], q[1], q[2], q[3], q[4], limits[0], period, cx, cy, ch, step, s, static)
         if q[7] == hardest and terms[k, 0] < fallback_valley:
             fallback, fallback_valley = k, terms[k, 0]
         terms[k, 1] = 0.0

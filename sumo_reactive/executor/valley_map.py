@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 CELLS = 500
 """Cells along each side of a bitmap (F&L 1991, §4)."""
 
+MAP_SAMPLE_SHARE = 0.25
+"""Distance between the points of C that are drawn, in cells."""
+
 
 @dataclass(frozen=True, eq=False)
 class ValleyMap:
@@ -41,13 +44,13 @@ NO_MAP = ValleyMap(np.empty((0, 1, 1)), 0.0, 0.0, 1.0)
 
 
 @kernel
-def taxicab_transform(seeds: Array, cell: float) -> Array:
-    """Distance from each cell to the nearest seed (value > 0) in |Δx| + |Δy|, m: two exact raster sweeps."""
-    rows, columns = seeds.shape
-    distance = np.empty((rows, columns))
+def taxicab_transform(start: Array, cell: float) -> Array:
+    """Least of each cell's `start` (m) and any other's plus the way there in |Δx| + |Δy|, m: two exact raster sweeps."""
+    rows, columns = start.shape
+    distance = start.copy()
     for i in range(rows):
         for j in range(columns):
-            best = 0.0 if seeds[i, j] > 0.0 else np.inf
+            best = distance[i, j]
             if i > 0:
                 best = min(best, distance[i - 1, j] + cell)
             if j > 0:
@@ -66,20 +69,30 @@ def taxicab_transform(seeds: Array, cell: float) -> Array:
 
 @kernel
 def _drawn(x: Array, y: Array, x0: float, y0: float, cell: float, cells: int) -> Array:
-    image = np.zeros((cells, cells))
+    """Taxicab distance (m) of the four cells around each point to the nearest of the points; infinite elsewhere."""
+    image = np.full((cells, cells), np.inf)
     for k in range(len(x)):
-        i, j = round((y[k] - y0) / cell), round((x[k] - x0) / cell)
-        if 0 <= i < cells and 0 <= j < cells:
-            image[i, j] = 1.0
+        row, column = math.floor((y[k] - y0) / cell), math.floor((x[k] - x0) / cell)
+        for i in range(max(row, 0), min(row + 2, cells)):
+            for j in range(max(column, 0), min(column + 2, cells)):
+                image[i, j] = min(image[i, j], abs(x0 + j * cell - x[k]) + abs(y0 + i * cell - y[k]))
     return image
 
 
 @kernel
 def map_potential(bitmap: Array, x: float, y: float, x0: float, y0: float, cell: float) -> float:
-    """U_p of the cell that holds (x, y); the rim's value outside."""
-    i = min(max(round((y - y0) / cell), 0), bitmap.shape[0] - 1)
-    j = min(max(round((x - x0) / cell), 0), bitmap.shape[1] - 1)
-    return float(bitmap[i, j])
+    """U_p at (x, y), bilinear between the centres of four cells; the rim's value outside.
+
+    Reading: taken from the one cell that holds (x, y), U_p would not tell 0.2 m apart, and the car would weave in that
+    width (F&L 1991, §4 names the coarse discretisation of W as open).
+    """
+    v = min(max((y - y0) / cell, 0.0), bitmap.shape[0] - 1.0)
+    u = min(max((x - x0) / cell, 0.0), bitmap.shape[1] - 1.0)
+    i, j = min(int(v), bitmap.shape[0] - 2), min(int(u), bitmap.shape[1] - 2)
+    f, g = u - j, v - i
+    near = bitmap[i, j] + f * (bitmap[i, j + 1] - bitmap[i, j])
+    far = bitmap[i + 1, j] + f * (bitmap[i + 1, j + 1] - bitmap[i + 1, j])
+    return float(near + g * (far - near))
 
 
 def valley_bitmap(curve_x: Array, curve_y: Array, static: Array, x0: float, y0: float, cell: float) -> Array:
@@ -115,7 +128,7 @@ def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static:
     cell = MAP_SIDE_M / CELLS
     x, y, _ = curve.at(s)
     x0, y0 = x - 0.5 * MAP_SIDE_M, y - 0.5 * MAP_SIDE_M
-    arc = np.arange(max(0.0, s - wheelbase), min(curve.length, s + MAP_SIDE_M), 0.5 * cell)
+    arc = np.arange(max(0.0, s - wheelbase), min(curve.length, s + MAP_SIDE_M), MAP_SAMPLE_SHARE * cell)
     samples = np.arange(len(curve.x)) * curve.step
     fx, fy = np.interp(arc, samples, curve.x), np.interp(arc, samples, curve.y)
     rear = rear_trace(fx, fy, heading, wheelbase)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import time as clock
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
@@ -54,25 +55,29 @@ class Trip:
         self._drive = Drive(state, self._plan(start, 0), 0.0)
 
     def scenes(self) -> Iterator[Scene]:
-        """Drive step by step until the ego arrives or the simulation ends."""
+        """Drive step by step until the ego arrives or stands for ever."""
         traffic = self._observe()
         self._controller.step(traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
-        gc.collect()
-        gc.freeze()  # the world does not change: collecting over it costs tens of milliseconds
-        while not self.arrived and not self.stuck:
-            began = clock.perf_counter()
-            step = self._controller.step(traffic, self._drive, self.step_length)
-            control_us = 1e6 * (clock.perf_counter() - began)
-            light = self._light_crossed(step)
-            self._place(step)
-            self._session.step()
-            lane_id = self.ego.lane(step.drive.ego)
-            self._count(step)
-            self._drive = self._planned(step)
-            traffic = self._observe()
-            yield Scene(self._record(step, lane_id, light, control_us), traffic.users)
-            if self._has_arrived():
-                self._arrive()
+        with _world_kept():
+            while not self.arrived and not self.stuck:
+                scene, traffic = self._advance(traffic)
+                yield scene
+                if self._has_arrived():
+                    self._arrive()
+
+    def _advance(self, traffic: Traffic) -> tuple[Scene, Traffic]:
+        """Control, place, simulate, verify, plan anew where needed, observe: one simulation step."""
+        began = clock.perf_counter()
+        step = self._controller.step(traffic, self._drive, self.step_length)
+        control_us = 1e6 * (clock.perf_counter() - began)
+        light = self._light_crossed(step)
+        self._place(step)
+        self._session.step()
+        lane_id = self.ego.lane(step.drive.ego)
+        self._count(step)
+        self._drive = self._planned(step)
+        traffic = self._observe()
+        return Scene(self._record(step, lane_id, light, control_us), traffic.users), traffic
 
     @property
     def graph(self) -> RoadGraph:
@@ -180,6 +185,17 @@ class Trip:
             if before <= passage.start < after:
                 return letter_of(self.graph.connections[passage.connection_id], step.snapshot)
         return ""
+
+
+@contextmanager
+def _world_kept() -> Iterator[None]:
+    """Keep what has been built out of garbage collection, which would cost tens of milliseconds now and then."""
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def _reason(step: Step) -> str:

@@ -112,7 +112,13 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
 def in_sight(plan: NominalPlan, front: float, speed: float) -> tuple[int, ...]:
     """Return the indices of the passages that matter with the front bumper at `front` (m) and `speed` (m/s)."""
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
-    return tuple(i for i, p in enumerate(plan.passages) if p.start <= reach and p.end >= front - ATTENTION_MIN_AHEAD_M / 3)
+    behind, found = front - ATTENTION_MIN_AHEAD_M / 3, []
+    for i, passage in enumerate(plan.passages):  # in order along C
+        if passage.start > reach:
+            break
+        if passage.end >= behind:
+            found.append(i)
+    return tuple(found)
 
 
 def next_change(plan: NominalPlan, front: float) -> LaneChange | None:

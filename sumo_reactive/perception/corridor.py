@@ -36,6 +36,18 @@ def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
 
 
 @kernel
+def near_boxes(boxes: Array, x: float, y: float, reach: float) -> Array:
+    """Return those of `boxes` (n, 6: front x, y, …) that are nearer to (x, y) than `reach` in |Δx| + |Δy|, m."""
+    out = np.empty_like(boxes)
+    k = 0
+    for i in range(len(boxes)):
+        if abs(boxes[i, 0] - x) + abs(boxes[i, 1] - y) < reach:
+            out[k] = boxes[i]
+            k += 1
+    return out[:k]
+
+
+@kernel
 def blocked_stretches(
     boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, half: float
 ) -> Array:

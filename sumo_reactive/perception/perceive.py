@@ -21,7 +21,7 @@ from sumo_reactive.parameters import (
     PROJECTION_WINDOW_M,
 )
 from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, next_change, watches_of
-from sumo_reactive.perception.corridor import blocked_stretches
+from sumo_reactive.perception.corridor import blocked_stretches, near_boxes
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -52,20 +52,15 @@ def perceive(
     sight = in_sight(plan, front, ego.speed)
     foes = tuple(_foes(traffic.users, plan, graph, sight)) if sight else ()
     neighbours = tuple(_neighbours(traffic.users, plan, graph, ego, limits, front))
-    return Snapshot(
-        traffic.time, ego, s, d, front, _near(boxes, ego), NOTHING_STATIC, on_path, foes, neighbours, traffic.lights
-    )
+    near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
+    return Snapshot(traffic.time, ego, s, d, front, near, NOTHING_STATIC, on_path, foes, neighbours, traffic.lights)
 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Array:
     if not users:
         return _NO_BOXES
-    return np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in users])
-
-
-def _near(boxes: Array, ego: VehicleState) -> Array:
-    away = np.abs(boxes[:, 0] - ego.pose.x) + np.abs(boxes[:, 1] - ego.pose.y)
-    return boxes[away < NEAR_M]
+    flat = [value for u in users for value in (u.x, u.y, u.heading, u.speed, u.body.length, u.body.width)]
+    return np.array(flat).reshape(-1, 6)
 
 
 def _on_path(
@@ -75,9 +70,9 @@ def _on_path(
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     half = 0.5 * limits.width + CORRIDOR_MARGIN_M
     stretches = blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, half)
-    for i in np.flatnonzero(~np.isnan(stretches[:, 0])):
-        start, end, along, across = stretches[i].tolist()
-        yield PathObstacle(users[i], start, end, along, across)
+    for user, (start, end, along, across) in zip(users, stretches.tolist(), strict=True):
+        if start == start:  # not NaN
+            yield PathObstacle(user, start, end, along, across)
 
 
 def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> Iterator[Foe]:

@@ -72,6 +72,7 @@ class Ghosts:
     def _make_type(self) -> None:
         libsumo.vehicletype.copy(libsumo.vehicle.getTypeID(self._ego_id), self._type)
         libsumo.vehicletype.setMaxSpeed(self._type, _NO_LIMIT)  # SUMO inserts no vehicle above its own limit
+        libsumo.vehicletype.setSpeedDeviation(self._type, 0.0)  # SUMO would draw for ever for a factor within its bounds
         libsumo.vehicletype.setSpeedFactor(self._type, _NO_LIMIT)
         for device in _SILENT_DEVICES:
             libsumo.vehicletype.setParameter(self._type, f"has.{device}.device", "false")

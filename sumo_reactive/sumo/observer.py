@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import libsumo
 
@@ -23,13 +24,22 @@ ROUTE_AHEAD = 16
 """Edges of another vehicle's route that are kept."""
 
 
+class _Known(NamedTuple):
+    """What is kept of a vehicle: its body, and its route as read on edge `edge_id`, to be read anew at time `until` (s)."""
+
+    body: Body
+    until: float
+    edge_id: str
+    route: tuple[str, ...]
+
+
 class Observer:
     """Reads SUMO through plain getters on the lanes in sight; keeps what does not change from step to step."""
 
     def __init__(self, ego_id: str) -> None:
         self._ego_id = ego_id
-        self._bodies: dict[str, Body] = {}
-        self._routes: dict[str, tuple[float, str, tuple[str, ...]]] = {}
+        self._known: dict[str, _Known] = {}
+        self._walkers: dict[str, Body] = {}
         self._view: tuple[object, int] = (None, 0)
         self._lanes: tuple[tuple[str, str, float, bool], ...] = ()
         self._crossings: tuple[tuple[str, str], ...] = ()
@@ -64,56 +74,46 @@ class Observer:
         self._lights = tuple(lights)
 
     def _vehicles(self, now: float) -> Iterator[RoadUser]:
-        on_lane, vehicle = libsumo.lane.getLastStepVehicleIDs, libsumo.vehicle
+        on_lane, vehicle, known_ones = libsumo.lane.getLastStepVehicleIDs, libsumo.vehicle, self._known
         for lane_id, edge_id, scale, internal in self._lanes:
             for name in on_lane(lane_id):
-                if name == self._ego_id or is_ghost(name):
+                known = known_ones.get(name)
+                if known is None and (name == self._ego_id or is_ghost(name)):
                     continue
+                if known is None or known.edge_id != edge_id or now >= known.until:
+                    known = self._know(name, known, edge_id, internal, now)
                 x, y = vehicle.getPosition(name)
-                speed = vehicle.getSpeed(name)
-                yield RoadUser(
-                    name,
-                    x,
-                    y,
-                    heading_of(vehicle.getAngle(name)),
-                    speed,
-                    lane_id,
-                    vehicle.getLanePosition(name) * scale,
-                    self._bodies.get(name) or self._body(name),
-                    self._route(name, edge_id, internal, now),
-                    vehicle.getWaitingTime(name) if speed <= STANDING_SPEED else 0.0,
-                )
+                heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name)
+                position = vehicle.getLanePosition(name) * scale
+                waiting = vehicle.getWaitingTime(name) if speed <= STANDING_SPEED else 0.0
+                yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting)
 
     def _persons(self) -> Iterator[RoadUser]:
         person = libsumo.person
         for edge_id, lane_id in self._crossings:
             for name in libsumo.edge.getLastStepPersonIDs(edge_id):
                 x, y = person.getPosition(name)
-                body = self._bodies.get(name)
+                body = self._walkers.get(name)
                 if body is None:
                     length, width = person.getLength(name), person.getWidth(name)
                     body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
-                    self._bodies[name] = body
+                    self._walkers[name] = body
                 heading = heading_of(person.getAngle(name))
                 yield RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, person.getLanePosition(name), body)
 
-    def _body(self, name: str) -> Body:
-        vehicle = libsumo.vehicle
-        body = Body(
-            vehicle.getLength(name),
-            vehicle.getWidth(name),
-            max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name)),
-            vehicle.getMaxSpeed(name),
-        )
-        self._bodies[name] = body
-        return body
+    def _know(self, name: str, known: _Known | None, edge_id: str, internal: bool, now: float) -> _Known:
+        """Read what changes seldom: the body once, the edges still to drive on a new edge and every few seconds."""
+        index = max(libsumo.vehicle.getRouteIndex(name) + (1 if internal else 0), 0)
+        route = tuple(libsumo.vehicle.getRoute(name)[index : index + ROUTE_AHEAD])
+        self._known[name] = _Known(known.body if known else _body(name), now + ROUTE_REFRESH_S, edge_id, route)
+        return self._known[name]
 
-    def _route(self, name: str, edge_id: str, internal: bool, now: float) -> tuple[str, ...]:
-        """Return the edges still to drive, present edge first; read anew on a new edge and every few seconds."""
-        known = self._routes.get(name)
-        if known is not None and known[1] == edge_id and now < known[0]:
-            return known[2]
-        index = libsumo.vehicle.getRouteIndex(name) + (1 if internal else 0)
-        route = tuple(libsumo.vehicle.getRoute(name)[max(index, 0) : max(index, 0) + ROUTE_AHEAD])
-        self._routes[name] = (now + ROUTE_REFRESH_S, edge_id, route)
-        return route
+
+def _body(name: str) -> Body:
+    vehicle = libsumo.vehicle
+    return Body(
+        vehicle.getLength(name),
+        vehicle.getWidth(name),
+        max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name)),
+        vehicle.getMaxSpeed(name),
+    )

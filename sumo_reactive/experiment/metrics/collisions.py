@@ -15,9 +15,9 @@ class Collisions:
 
     def see(self, moment: Moment) -> None:
         """Note who touches the ego now and did not before."""
-        if not self._touching and not (moment.users and moment.contacts[:, 0].any()):
+        if not self._touching and not any(moment.touches):
             return
-        touching = {user.id for user, (touches, _) in zip(moment.users, moment.contacts, strict=True) if touches}
+        touching = {user.id for user, touches in zip(moment.users, moment.touches, strict=True) if touches}
         for user_id in sorted(touching - self._touching):
             self.collisions.append(Collision(moment.step.time, user_id, moment.step.lane_id))
         self._touching = touching

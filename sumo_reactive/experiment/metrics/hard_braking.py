@@ -28,7 +28,7 @@ class HardBraking:
 
     def see(self, moment: Moment) -> None:
         """Note who begins to brake hard behind the ego."""
-        if not moment.slowing and not self._braking:
+        if moment.hardest_braking >= HARD_BRAKING and not self._braking:
             return
         braking = {name for name, acceleration in moment.slowing.items() if acceleration < HARD_BRAKING}
         for user in moment.users:

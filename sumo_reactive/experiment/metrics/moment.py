@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,9 +33,10 @@ GHOST = "reactive.ghost."
 class Moment(NamedTuple):
     """A step as the judges see it.
 
-    `duration` is the time since the last step (s, NaN at first), `acceleration` the ego's since then (m/s²). `contacts`
-    (n, 2) holds for each of `users`, all near, whether its box and the ego's overlap and the time to collision (s,
-    infinite: none). `slowing` maps those that slow down to their acceleration (m/s², negative).
+    `duration` is the time since the last step (s, NaN at first), `acceleration` the ego's since then (m/s²). `users` are
+    all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `touches` whether each box and the ego's
+    overlap, `times_to_collision` what it says (s, infinite: none). `slowing` maps those that slow down to their
+    acceleration (m/s², negative).
     """
 
     step: StepRecord
@@ -44,11 +45,18 @@ class Moment(NamedTuple):
     length: float
     width: float
     users: tuple[RoadUser, ...]
-    contacts: Array
+    boxes: Array
+    touches: Sequence[float]
+    times_to_collision: Sequence[float]
     slowing: Mapping[str, float]
 
+    @property
+    def hardest_braking(self) -> float:
+        """Acceleration of who brakes hardest, m/s²; 0 when nobody slows down."""
+        return min(self.slowing.values(), default=0.0)
 
-_NO_CONTACTS = np.empty((0, 2))
+
+_NO_BOXES = np.empty((0, 6))
 
 
 class Watch:
@@ -65,34 +73,41 @@ class Watch:
         step, last = scene.step, self._last
         duration = step.time - last.time if last else math.nan
         acceleration = (step.speed - last.speed) / duration if last else math.nan
-        near = tuple(user for user in scene.users if _is_near(user, step))
-        contacts = self._contacts(step, near) if near else _NO_CONTACTS
+        near = _near(scene.users, step.x, step.y)
+        boxes = _boxes(near) if near else _NO_BOXES
+        touches, times = self._contacts(step, boxes) if near else ((), ())
         speeds = {user.id: user.speed for user in near}
         before = self._speeds
         slowing = {
             name: (speed - before[name]) / duration for name, speed in speeds.items() if speed < before.get(name, 0.0)
         }
         self._last, self._speeds = step, speeds
-        return Moment(step, duration, acceleration, self._length, self._width, near, contacts, slowing)
+        return Moment(step, duration, acceleration, self._length, self._width, near, boxes, touches, times, slowing)
 
-    def _contacts(self, step: StepRecord, near: tuple[RoadUser, ...]) -> Array:
+    def _contacts(self, step: StepRecord, boxes: Array) -> tuple[Sequence[float], Sequence[float]]:
         own = np.array([[step.x, step.y, step.heading, step.speed, self._length, self._width]])
-        boxes = np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in near])
-        return contacts(own, boxes)
+        touches, times = contacts(own, boxes).tolist()
+        return touches, times
 
 
-def _is_near(user: RoadUser, step: StepRecord) -> bool:
-    dx, dy = user.x - step.x, user.y - step.y
-    return dx * dx + dy * dy < JUDGED_REACH_M * JUDGED_REACH_M and not user.id.startswith(GHOST)
+def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ...]:
+    reach = JUDGED_REACH_M * JUDGED_REACH_M
+    near = [u for u in users if (dx := u.x - x) * dx + (dy := u.y - y) * dy < reach and not u.id.startswith(GHOST)]
+    return tuple(near)
+
+
+def _boxes(users: tuple[RoadUser, ...]) -> Array:
+    flat = [value for u in users for value in (u.x, u.y, u.heading, u.speed, u.body.length, u.body.width)]
+    return np.array(flat).reshape(-1, 6)
 
 
 @kernel
 def contacts(own: Array, boxes: Array) -> Array:
-    """Return (n, 2): overlap (0 or 1) and time to collision δ / ‖v − v_D‖ (s) of box `own` (1, 6) with `boxes` (n, 6).
+    """Return (2, n): overlap (0 or 1) and time to collision δ / ‖v − v_D‖ (s) of box `own` (1, 6) with `boxes` (n, 6).
 
     Columns are front x, y, heading, speed, length, width. Both bodies keep their velocities (F&L 1991, §3.3.2).
     """
-    out = np.empty((len(boxes), 2))
+    out = np.empty((2, len(boxes)))
     mine, theirs = corners_of(own), corners_of(boxes)
     own_length, own_width = own[0, 4] - 2.0 * SHRINK_M, own[0, 5] - 2.0 * SHRINK_M
     for k in range(len(boxes)):
@@ -104,8 +119,8 @@ def contacts(own: Array, boxes: Array) -> Array:
         )  # fmt: skip
         rx, ry = mine[0, 4, 0] - theirs[k, 4, 0], mine[0, 4, 1] - theirs[k, 4, 1]
         relative = math.hypot(rx, ry)
-        out[k, 0] = 1.0 if touching else 0.0
-        out[k, 1] = np.inf
+        out[0, k] = 1.0 if touching else 0.0
+        out[1, k] = np.inf
         if relative > 1e-6:
-            out[k, 1] = shadow_distance(mine[0, :4], theirs[k, :4], rx / relative, ry / relative) / relative
+            out[1, k] = shadow_distance(mine[0, :4], theirs[k, :4], rx / relative, ry / relative) / relative
     return out

@@ -36,27 +36,32 @@ class PostEncroachment:
     def __init__(self, length: float, width: float) -> None:
         self._size = (length, width)
         self._ego: list[tuple[float, ...]] = []
-        self._others: list[tuple[float, ...]] = []
-        self._names: dict[str, int] = {}
+        self._others: list[tuple[float, Array]] = []
 
     def see(self, moment: Moment) -> None:
-        """Keep the boxes that move."""
-        step, names = moment.step, self._names
+        """Keep the boxes."""
+        step = moment.step
         if step.speed > MOVING_SPEED:
             self._ego.append((step.time, step.x, step.y, step.heading, *self._size, -1.0))
-        for user in moment.users:
-            if user.speed > MOVING_SPEED:
-                name = names.setdefault(user.id, len(names))
-                body = user.body
-                self._others.append((step.time, user.x, user.y, user.heading, body.length, body.width, name))
+        if len(moment.boxes):
+            self._others.append((step.time, moment.boxes))
 
     def figures(self) -> Figures:
         """Return the smallest time (s); None without an encounter."""
         smallest = HORIZON_S
         if self._ego and self._others:
-            ego, others = np.array(self._ego), np.array(self._others)
+            ego, others = np.array(self._ego), _moving(self._others)
             smallest = min(smallest, _smallest(ego, others[_on_the_way(ego, others)]))
         return {"min_post_encroachment_s": round(smallest, 3) if smallest < HORIZON_S else None}
+
+
+def _moving(boxes: list[tuple[float, Array]]) -> Array:
+    """Return (n, 7): time, front x, y, heading, length, width, 0 of the moving among boxes by time."""
+    times = np.repeat([time for time, _ in boxes], [len(some) for _, some in boxes])
+    all_of_them = np.concatenate([some for _, some in boxes])
+    x, y, heading, speed, length, width = all_of_them.T
+    rows: Array = np.column_stack((times, x, y, heading, length, width, np.zeros(len(times))))[speed > MOVING_SPEED]
+    return rows
 
 
 def _on_the_way(ego: Array, others: Array) -> NDArray[np.bool_]:
@@ -102,7 +107,7 @@ def _smallest(ego: Array, others: Array) -> float:
 
 
 def _covered(boxes: Array) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
-    """Return the cells that boxes (n, 7: time, front x, y, heading, length, width, name) cover, and the row of each."""
+    """Return the cells that boxes (n, 7; the last column is −1 for the ego) cover, and the row of each."""
     keys, rows = [], []
     sizes, of_size = np.unique(boxes[:, 4:6], axis=0, return_inverse=True)
     for k, (length, width) in enumerate(sizes):

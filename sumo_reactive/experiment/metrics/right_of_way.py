@@ -53,8 +53,10 @@ class RightOfWay:
             self._own, self._obstructed = own, set()
         if self._own is None or not moment.users:
             return
-        for k, user in enumerate(moment.users):
-            suffers = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING or moment.contacts[k, 1] < NEAR_MISS_S
+        if moment.hardest_braking >= OBSTRUCTED_BRAKING and min(moment.times_to_collision) >= NEAR_MISS_S:
+            return
+        for user, time in zip(moment.users, moment.times_to_collision, strict=True):
+            suffers = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING or time < NEAR_MISS_S
             if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
                 self._judge(self._graph, self._own, user, moment)
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from sumo_reactive.experiment.metrics.moment import Figures, Moment
 
 HORIZON_S = 10.0
@@ -24,10 +22,9 @@ class TimeToCollision:
 
     def see(self, moment: Moment) -> None:
         """Note the smallest time of this step."""
-        if len(moment.users):
-            smallest = float(np.min(moment.contacts[:, 1]))
-            if smallest < self._smallest:
-                self._smallest, self._when = smallest, moment.step.time
+        smallest = min(moment.times_to_collision, default=math.inf)
+        if smallest < self._smallest:
+            self._smallest, self._when = smallest, moment.step.time
 
     def figures(self) -> Figures:
         """Return the smallest time and when it was; None if no one was on collision course."""

@@ -1,0 +1,61 @@
+"""What a step costs besides the control step; timed by `pytest tests/benchmark --benchmark-enable`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+
+import libsumo
+import pytest
+from helpers.cars import CAR
+from helpers.situations import NETWORKS, graph_of
+
+from sumo_reactive.experiment.metrics import Jury
+from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.messages.record import Scene, StepRecord
+from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.sumo.observer import Observer
+from sumo_reactive.sumo.units import heading_of, pose_of
+from sumo_reactive.world.road_graph import RoadGraph
+from sumo_reactive.world.route import Route
+
+EGO, NETWORK, UNTIL_S = "ego", "signalised_left_turns", 25.0
+
+
+@pytest.fixture(scope="module")
+def simulation() -> Iterator[tuple[RoadGraph, NominalPlan]]:
+    """The ego's world and plan at `UNTIL_S` in a simulation that stands still there."""
+    libsumo.start(["sumo", "-c", str(NETWORKS / NETWORK / f"{NETWORK}.sumocfg"), "--no-warnings", "true"])
+    try:
+        while libsumo.simulation.getTime() < UNTIL_S:
+            libsumo.simulationStep()
+        route = tuple(libsumo.vehicle.getRoute(EGO))
+        graph, lane = graph_of(NETWORK, route), libsumo.vehicle.getLaneID(EGO)
+        x, y = libsumo.vehicle.getPosition(EGO)
+        pose = pose_of(x, y, heading_of(libsumo.vehicle.getAngle(EGO)), CAR)
+        at = libsumo.vehicle.getLanePosition(EGO) * graph.lanes[lane].scale
+        start = PlanStart(pose, libsumo.vehicle.getSpeed(EGO), 0.0, UNTIL_S, lane, at, 0)
+        yield graph, plan(graph, Route(route), "passenger", CAR, start)
+    finally:
+        libsumo.close()
+
+
+def test_observing_the_lanes_in_sight(benchmark, simulation):
+    graph, nominal = simulation
+    traffic = benchmark(Observer(EGO).observe, graph, nominal, 0.0, 10.0)
+    assert traffic.users
+    assert all(user.id != EGO for user in traffic.users)
+
+
+def test_judging_a_step(benchmark, simulation):
+    graph, nominal = simulation
+    traffic = Observer(EGO).observe(graph, nominal, 0.0, 10.0)
+    x, y, heading = nominal.curve.at(0.0)
+    jury, now = Jury(CAR.length, CAR.width, CAR.wheelbase, graph), count(UNTIL_S)
+    benchmark(lambda: jury.see(Scene(_record(next(now), x, y, heading), traffic.users)))
+    assert "collisions" in jury.figures()
+
+
+def _record(time: float, x: float, y: float, heading: float) -> StepRecord:
+    motion, along, targets, potentials = (10.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 10.0, 0.0), (0.0, 0.0, 0.0, 0.0)
+    return StepRecord(time, x, y, heading, *motion, "", *along, *targets, *potentials, "", 0.0, "", False, "", 0.0, ())
