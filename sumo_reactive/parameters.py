@@ -141,7 +141,7 @@ HARD_STOP_MARGIN_M = 0.4
 MAX_LATERAL_JERK = 8.0
 """m/s³; bounds φ̇max at road speed."""
 
-PAPER_LATERAL_STEP = 0.9
+PAPER_LATERAL_STEP = 1.1
 """m/s²; most that one of the nine commands changes the lateral acceleration: coarser, it weaves; finer, it turns late."""
 
 PAPER_STEERING_SPEED = 4.0

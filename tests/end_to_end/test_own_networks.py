@@ -123,14 +123,7 @@ def test_the_ego_moves_as_a_car_can(network):
         assert -8.0 - 1e-6 <= b.command_acceleration <= 2.6 + 1e-6
 
 
-NO_LETTER = pytest.mark.xfail(
-    strict=True, reason="holds_back takes the missing letter of a junction without a light for red"
-)
-
-
-@pytest.mark.parametrize(
-    "network", [pytest.param(name, marks=NO_LETTER) if name == "roundabout" else name for name in NETWORKS]
-)
+@each_network
 def test_the_ego_takes_nobodys_right_of_way(network):
     assert [str(v) for v in run(network).result.violations] == []
 
@@ -154,8 +147,7 @@ def test_every_step_length_works(step_length):
     assert not touched(found)
 
 
-@pytest.mark.xfail(strict=True, reason="where C bends, the nine commands never start from a standstill")
-@pytest.mark.parametrize("network", ["four_way_priority", "signalised_left_turns"])
+@each_network
 def test_the_papers_profile_arrives_without_touching_anybody(network):
     found = run(network, None, Profile.PAPER)
     assert found.result.arrived, found.result.verdict

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.parameters import PAPER_LATERAL_STEP
 
 speeds = st.floats(0.0, 50.0)
 
@@ -21,12 +22,18 @@ def within_limits(grid: CommandGrid) -> bool:
     )
 
 
-@given(speeds)
-def test_the_paper_has_nine_commands_that_brake_hold_or_accelerate_and_steer_left_straight_or_right(speed):
-    grid = paper_grid(CAR, speed)
+@given(speeds, st.floats(0.02, 1.0))
+def test_the_paper_has_nine_commands_that_brake_hold_or_accelerate_and_steer_left_straight_or_right(speed, period):
+    grid = paper_grid(CAR, speed, period)
     assert size(grid) == 9
     assert list(np.sign(grid.accelerations)) == list(np.sign(grid.steering_rates)) == [-1.0, 0.0, 1.0]
     assert within_limits(grid)
+
+
+@given(st.floats(4.0, 50.0), st.floats(0.02, 1.0))
+def test_one_of_the_nine_commands_changes_the_lateral_acceleration_by_a_bounded_step(speed, period):
+    turn = paper_grid(CAR, speed, period).steering_rates.max() * period
+    assert speed**2 * turn / CAR.wheelbase <= PAPER_LATERAL_STEP + 1e-9
 
 
 fine = st.builds(

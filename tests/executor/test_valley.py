@@ -56,7 +56,7 @@ def test_the_transform_gives_every_cell_its_taxicab_distance_to_the_nearest_seed
     i, j = np.indices(seeds.shape)
     away = np.abs(i[..., None] - rows) + np.abs(j[..., None] - columns)
     expected = 0.25 * away.min(axis=2) if len(rows) else np.full(seeds.shape, np.inf)
-    assert np.array_equal(taxicab_transform(seeds, 0.25), expected)
+    assert np.array_equal(taxicab_transform(np.where(seeds > 0.0, 0.0, np.inf), 0.25), expected)
 
 
 @settings(max_examples=15)
@@ -66,13 +66,23 @@ def test_the_floor_of_the_bitmap_is_on_the_curve_however_near_an_obstacle_is(obs
     x = np.arange(-half, half, 0.5 * CELL)
     static = np.array(obstacles).reshape(-1, 2)
     bitmap = valley_bitmap(x, np.zeros_like(x), static, -half, -half, CELL)
-    assert (bitmap[MIDDLE] == 0.0).all()
-    assert (np.delete(bitmap, MIDDLE, axis=0) > 0.0).all()
+    assert bitmap[MIDDLE] == pytest.approx(0.0, abs=1e-9)
+    assert (np.delete(bitmap, MIDDLE, axis=0) > 0.5 * CELL * VALLEY_ATTRACTION).all()
 
 
-def test_the_potential_of_a_place_is_that_of_its_cell_and_outside_that_of_the_rim():
+@given(st.floats(-0.5, 0.5))
+def test_between_two_rows_of_cells_the_bitmap_still_tells_how_far_the_curve_is(aside):
+    half = MIDDLE * CELL
+    x = np.arange(-half, half, 0.25 * CELL)
+    column = valley_bitmap(x, np.full_like(x, aside * CELL), np.empty((0, 2)), -half, -half, CELL)[:, MIDDLE]
+    rows = np.arange(CELLS) - MIDDLE
+    assert column == pytest.approx(VALLEY_ATTRACTION * CELL * np.abs(rows - aside), abs=1e-6)
+
+
+def test_the_potential_of_a_place_lies_between_those_of_the_cells_around_and_is_outside_that_of_the_rim():
     bitmap = np.arange(12.0).reshape(3, 4)
-    assert map_potential(bitmap, 10.9, 21.1, 10.0, 20.0, 1.0) == bitmap[1, 1]
+    assert map_potential(bitmap, 11.0, 21.0, 10.0, 20.0, 1.0) == bitmap[1, 1]
+    assert map_potential(bitmap, 10.75, 21.5, 10.0, 20.0, 1.0) == pytest.approx(0.75 + 4.0 * 1.5)
     assert map_potential(bitmap, 99.0, -99.0, 10.0, 20.0, 1.0) == bitmap[0, 3]
 
 

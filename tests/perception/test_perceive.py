@@ -30,17 +30,11 @@ def test_the_ego_knows_where_it_is_on_its_curve(ego):
     assert ego.line - seen.front == pytest.approx(12.0, abs=0.4)
 
 
-LATE = pytest.mark.xfail(strict=True, reason="the planner puts the line of a turn 0.27 m late")
-
-
-@pytest.mark.parametrize(
-    "to",
-    ["to_north", *(pytest.param(to, marks=LATE) for to in ("to_west", "to_east"))],
-)
+@pytest.mark.parametrize("to", ["to_north", "to_west", "to_east"])
 @pytest.mark.parametrize("away", [12.0, 60.0])
 def test_the_stop_line_lies_on_the_curve_where_the_lane_ends(to, away):
     ego = before(PRIORITY, ("from_south", to), away, 5.0)
-    assert ego.line - ego.seen().front == pytest.approx(away, abs=0.1)
+    assert ego.line - ego.seen().front == pytest.approx(away, abs=0.05)
 
 
 @pytest.mark.parametrize("away", [5.0, 30.0, 100.0])

@@ -31,7 +31,6 @@ def test_the_largest_curvature_is_that_of_the_front_axle_at_full_lock():
     assert CAR.max_curvature == pytest.approx(math.sin(0.65) / 2.4)
 
 
-@pytest.mark.xfail(strict=True, reason="__post_init__ lets a front overhang that is not a number pass")
 def test_a_front_overhang_that_is_not_a_number_is_refused():
     with pytest.raises(ValueError, match="overhang"):
         replace(CAR, front_overhang=math.nan)
