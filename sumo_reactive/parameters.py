@@ -305,3 +305,6 @@ STUCK_S = 600.0
 
 OFF_THE_LINE_M = 1.5
 """A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
+
+ENTERING_M = 6.0
+"""Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""

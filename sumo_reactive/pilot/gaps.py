@@ -79,12 +79,14 @@ def threat(foe: Foe, *, expects_ego: bool = False) -> Threat:
     )
 
 
-def is_enough(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
-    """Whether the ego may pass before or after the foe; `patience` (0..1] scales the margins."""
+def is_enough(own: Passing, foe: Foe, other: Threat, patience: float, *, may_follow: bool) -> bool:
+    """Whether the ego may pass before the foe, or after it if it `may_follow`; `patience` (0..1] scales the margins."""
     if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
-        return _merges_before(own, foe, other, patience) or _merges_after(own, foe, other, patience)
-    before = own.clearance + GAP_BEFORE_S * patience < other.arrival
-    return before or other.clearance + GAP_AFTER_S * patience < own.arrival
+        before, after = _merges_before(own, foe, other, patience), _merges_after(own, foe, other, patience)
+    else:
+        before = own.clearance + GAP_BEFORE_S * patience < other.arrival
+        after = other.clearance + GAP_AFTER_S * patience < own.arrival
+    return before or (may_follow and after)
 
 
 def _merges_before(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:

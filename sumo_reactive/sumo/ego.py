@@ -70,11 +70,13 @@ class Ego:
         """Announce the intent and command the state that the next simulation step ends in; `lane`: where C is there.
 
         SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
-        between the same two edges), it is told the lane, until the ego is out of the junction.
+        between the same two edges), it is told the lane, until the ego is out of the junction; but not where the front
+        swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
         """
         x, y = front_of(state.pose, self.limits)
         libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
-        edge, index, mode = (lane.edge_id, lane.index, FREE_EXACT) if self._unmapped else ("", -1, KEEP_ROUTE_EXACT)
+        told = self._unmapped and abs(lane.spine.project(x, y)[1]) < 0.5 * (lane.width + self.limits.width)
+        edge, index, mode = (lane.edge_id, lane.index, FREE_EXACT) if told else ("", -1, KEEP_ROUTE_EXACT)
         libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
 
     def _announced(self, speed: float, intent: Intent, duration: float) -> float:

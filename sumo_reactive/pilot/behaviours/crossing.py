@@ -11,6 +11,7 @@ from sumo_reactive.messages.plan import NominalPlan, Passage
 from sumo_reactive.messages.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.parameters import (
     COMMITTED_PATIENCE,
+    ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
     MAX_ACCELERATION_IN_PLAN,
@@ -81,7 +82,8 @@ def _objection(
     if _gives_way(foe, own, committed):
         return None
     other = threat(foe, expects_ego=committed)
-    if is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0):
+    may_follow = committed or _is_certain(foe) or crossing.passage.start - front > ENTERING_M
+    if is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow):
         return None
     figures = (
         ("arrival_s", own.arrival),
@@ -90,6 +92,12 @@ def _objection(
         ("foe_clearance_s", other.clearance),
     )
     return Objection(_reason(foe), foe, figures)
+
+
+def _is_certain(foe: Foe) -> bool:
+    """Whether the foe goes through first for certain: too near to stop. One that sees the ego start may hesitate."""
+    body = foe.user.body
+    return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, 0.0)
 
 
 def _is_committed(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> bool:
@@ -111,13 +119,16 @@ def _reason(foe: Foe) -> Reason:
 
 
 def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Crossing) -> bool:
-    """Whether the foe may enter the region soon: its light lets it, and it does not just stand there."""
+    """Whether the foe may be in the region soon: its light lets it, and it does not just stand there.
+
+    A body that stands in the ego's corridor is a leader, whatever the region says.
+    """
     user, standing = foe.user, memory.standing_for(snapshot.time)
     if user.body.is_person:
         return True
     if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):
         return False
-    if user.speed >= STANDING_SPEED or foe.to_region <= 0.0:
+    if user.speed >= STANDING_SPEED:
         return True
     if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
         in_vain = standing > FOE_PATIENCE_S and user.waiting_time > 2.0 * FOE_PATIENCE_S
