@@ -163,18 +163,23 @@ def choose_command(
             fallback, fallback_valley = k, terms[k, 0]
         terms[k, 1] = 0.0
         terms[k, 2] = velocity_potential(q[3], wanted)
-        if q[5] > 0.0 and q[6] > 0.0:
-            if weights[1] > 0.0 and len(boxes) > 0:
-                terms[k, 1] = shadow_sum(
-                    q[0], q[1], q[2], q[3], limits[1], limits[2] - limits[1], limits[3], boxes, corners,
-                    SHADOW_SCALE, SHADOW_HORIZON_M,
-                )  # fmt: skip
-            total[k] = weights[0] * terms[k, 0] + weights[1] * terms[k, 1] + weights[2] * terms[k, 2]
+        if q[6] > 0.0:
+            total[k] = weights[0] * terms[k, 0] + weights[2] * terms[k, 2]
+    shadowed = np.zeros(n, dtype=np.bool_)
+    shadowed[:] = weights[1] <= 0.0 or len(boxes) == 0
     while True:
         best = int(np.argmin(total))
         if total[best] == np.inf:
             break
         q = next_states[best]
+        if not shadowed[best]:  # U₂ only adds, so it is due only for what would win without it
+            terms[best, 1] = shadow_sum(
+                q[0], q[1], q[2], q[3], limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE,
+                SHADOW_HORIZON_M,
+            )  # fmt: skip
+            total[best] += weights[1] * terms[best, 1]
+            shadowed[best] = True
+            continue
         if len(near) == 0 or not braking_collides(
             q[0], q[1], q[2], q[3], q[4], limits[0], limits[1], limits[2], limits[3], limits[7], near, period,
             COLLISION_HORIZON_S, COLLISION_STEP_S,

@@ -21,7 +21,7 @@ from sumo_reactive.parameters import (
     WAIT_SHIFT_M,
 )
 from sumo_reactive.pilot.behaviours.cautious import letter_of
-from sumo_reactive.pilot.gaps import Passing, is_enough, passing, threat, travel_time
+from sumo_reactive.pilot.gaps import is_enough, passing, threat, travel_time
 from sumo_reactive.pilot.lights import holds_back
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -76,11 +76,11 @@ def _objection(
     to_clear = crossing.at(region.own.end) + limits.length - front
     if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
         return None
+    committed = _is_committed(foe.conflict, crossing, snapshot, limits)
+    if _gives_way(foe, committed):
+        return None
     acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
     own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
-    committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    if _gives_way(foe, own, committed):
-        return None
     other = threat(foe, expects_ego=committed)
     may_follow = committed or _is_certain(foe) or crossing.passage.start - front > ENTERING_M
     if is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow):
@@ -137,11 +137,13 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
     return user.waiting_time <= FOE_PATIENCE_S or standing <= FOE_PATIENCE_S
 
 
-def _gives_way(foe: Foe, own: Passing, committed: bool) -> bool:
+def _gives_way(foe: Foe, committed: bool) -> bool:
     """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
     conflict, user = foe.conflict, foe.user
     if user.body.is_person:
         return False
+    if not conflict.must_yield and not conflict.is_yielded_to:
+        return False  # no rule makes it wait, and SUMO's cars then do not look
     all_way = conflict.other.control is Control.ALL_WAY_STOP
     if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
         return False
@@ -149,9 +151,6 @@ def _gives_way(foe: Foe, own: Passing, committed: bool) -> bool:
         return False  # it stopped before the ego, see `_can_come`, or is already leaving its line
     room = _room_to_wait(foe)
     if room is None:
-        return False
-    unruled = not conflict.must_yield and not conflict.is_yielded_to
-    if unruled and not committed and own.arrival > threat(foe).arrival:
         return False
     return user.speed * user.speed <= 2.0 * FOE_CAN_STOP_DECELERATION * max(room, 0.3)
 
