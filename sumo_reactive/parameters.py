@@ -308,3 +308,12 @@ OFF_THE_LINE_M = 1.5
 
 ENTERING_M = 6.0
 """Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
+
+TAIL_REACH_M = 20.0
+"""How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
+
+MIN_TAIL_M = 2.0
+"""Shorter parts are rounding of the map."""
+
+SIDE_BY_SIDE_ANGLE = 0.6
+"""rad; paths from one road that meet at a smaller angle run beside each other."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
@@ -12,8 +13,10 @@ from sumo_reactive.parameters import (
     ATTENTION_BEHIND_M,
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
+    SIDE_BY_SIDE_ANGLE,
 )
-from sumo_reactive.world.regions import ConflictKind
+from sumo_reactive.world.junction import Connection
+from sumo_reactive.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.world.road_graph import RoadGraph
 
 
@@ -30,7 +33,11 @@ class Watch(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
-    """Return the crossing and merging conflicts on a connection, nearest region first."""
+    """Return the crossing and merging conflicts on a connection, nearest region first.
+
+    Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
+    drive side by side, and whoever reaches into the ego's corridor is a leader.
+    """
     own = graph.connections[connection_id]
     rules = graph.junctions[own.junction_id].right_of_way
     found = []
@@ -39,8 +46,19 @@ def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
         if region.kind is ConflictKind.DIVERGING:
             continue
         yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
-        found.append(Conflict(region, other, yields, yielded))
+        if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
+            found.append(Conflict(region, other, yields, yielded))
     return tuple(found)
+
+
+def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:
+    """Whether two paths come from one road and run in about one direction where they meet."""
+    before, beside = graph.lanes.get(own.from_lane), graph.lanes.get(other.from_lane)
+    if before is None or beside is None or before.edge_id != beside.edge_id:
+        return False
+    along = own.path.heading_at(0.5 * (region.own.start + region.own.end))
+    across = other.path.heading_at(0.5 * (region.other.start + region.other.end))
+    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
 
 
 @lru_cache(maxsize=4096)

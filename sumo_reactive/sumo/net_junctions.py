@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -13,6 +14,7 @@ from sumo_reactive.geometry.polyline import Points
 from sumo_reactive.sumo.net_connections import LaneOf, connection_from
 from sumo_reactive.sumo.net_file import Attributes, RawNet
 from sumo_reactive.sumo.net_lanes import coordinates
+from sumo_reactive.world.conflicts import inside_part
 from sumo_reactive.world.junction import Connection, Junction
 from sumo_reactive.world.right_of_way import RightOfWay
 
@@ -31,7 +33,15 @@ def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:
         raise NetworkError(f"{raw.path}: junction '{junction_id}' lacks attribute {error}") from error
     except ValueError as error:
         raise NetworkError(f"{raw.path}: junction '{junction_id}': {error}") from error
+    connections = tuple(_with_tail(connection, outline, lane_of) for connection in connections)
     return Junction(junction_id, element.get("type", "unknown"), outline, connections, right_of_way)
+
+
+def _with_tail(connection: Connection, outline: Points, lane_of: LaneOf) -> Connection:
+    if connection.is_crossing:
+        return connection
+    tail = inside_part(lane_of(connection.to_lane).spine, outline)
+    return connection if tail is None else replace(connection, tail=tail)
 
 
 def links_of(raw: RawNet, junction: Element) -> Iterator[Attributes]:

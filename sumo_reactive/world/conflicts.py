@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 import shapely
 
-from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.geometry.polyline import Points, Polyline, joined
 from sumo_reactive.parameters import (
     MIN_REGION_AREA_M2,
+    MIN_TAIL_M,
     REGION_STEP_M,
     SEPARATE_LEVELS_M,
     SWEPT_WIDTH_M,
+    TAIL_REACH_M,
     UNDECLARED_REGION_AREA_M2,
 )
 from sumo_reactive.world.junction import Connection, Junction
@@ -38,9 +40,23 @@ def conflict_regions(owns: Sequence[Connection], junction: Junction) -> dict[str
 
 
 def _indexed_points(connections: Sequence[Connection]) -> tuple[Points, Any]:
-    """Return all path points, shape (n, 2), and the number of the path each belongs to, shape (n,)."""
-    points = [connection.path.points for connection in connections]
+    """Return the points of all paths with their tails, shape (n, 2), and the number of the path each belongs to, shape (n,)."""
+    points = [joined([c.path.points, c.tail]) if c.tail is not None else c.path.points for c in connections]
     return np.concatenate(points), np.repeat(np.arange(len(points)), [len(part) for part in points])
+
+
+def inside_part(spine: Polyline, outline: Points) -> Points | None:
+    """Return the first part of a lane, points (k, 2), that lies inside a junction's outline (n, 2); None if it is short.
+
+    Some maps let an edge begin in the middle of its junction: traffic on it then still crosses the others.
+    """
+    reach = np.arange(0.0, min(spine.length, TAIL_REACH_M), REGION_STEP_M)
+    points = np.array([spine.at(s) for s in reach])
+    if len(outline) < 3 or len(points) == 0:
+        return None
+    inside = shapely.contains_xy(shapely.polygons(outline), points)
+    length = len(points) if inside.all() else int(np.argmin(inside))
+    return points[:length] if length * REGION_STEP_M >= MIN_TAIL_M else None
 
 
 def _regions_of(i: int, junction: Junction, lines: Any, sweeps: Any) -> tuple[ConflictRegion, ...]:
