@@ -40,7 +40,7 @@ def conflict_regions(owns: Sequence[Connection], junction: Junction) -> dict[str
 
 
 def _indexed_points(connections: Sequence[Connection]) -> tuple[Points, Any]:
-    """Return the points of all paths with their tails, shape (n, 2), and the number of the path each belongs to, shape (n,)."""
+    """Return the points of all paths with their tails (n, 2), and the number of the path each belongs to, shape (n,)."""
     points = [joined([c.path.points, c.tail]) if c.tail is not None else c.path.points for c in connections]
     return np.concatenate(points), np.repeat(np.arange(len(points)), [len(part) for part in points])
 

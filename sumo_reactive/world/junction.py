@@ -50,9 +50,9 @@ class Connection:
     `index` is its row in the junction's `RightOfWay` (-1: none). `parts` are the internal lanes in driving order (two or
     more for a turn that may wait inside), `path` their joined centre line; arc length on it starts at the stop line.
     `wait_at` is the arc length of the place inside the junction where a turn may wait, or None. `width` is the narrowest
-    internal lane's, m. `heights` (n,) are the elevations of the path's points, m; None in a flat network. `tail`
-    (k, 2) is where the lane behind goes on inside the junction's outline, None if it does not. A pedestrian crossing (`is_crossing`) joins two walking areas and is used both
-    ways.
+    internal lane's, m. `heights` (n,) are the elevations of the path's points, m; None in a flat network. `tail` (k, 2)
+    is where the lane behind goes on inside the junction's outline, None if it does not. A pedestrian crossing
+    (`is_crossing`) joins two walking areas and is used both ways.
     """
 
     id: str
