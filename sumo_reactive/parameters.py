@@ -1,20 +1,40 @@
 """Every constant with its unit, symbol and source. Names carry the unit where it is not plain from the name."""
 
-# --- nominal trajectory C -------------------------------------------------------------------------------------------
+# --- world model ------------------------------------------------------------------------------------------------------
+SWEPT_WIDTH_M = 2.2
+"""Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
+
+MIN_REGION_AREA_M2 = 0.01
+"""Smaller overlaps of paths that the network itself calls conflicting come from rounding (coordinates hold 1 cm)."""
+
+UNDECLARED_REGION_AREA_M2 = 0.5
+"""Overlap that makes a conflict region of paths that the network calls free of conflict: two corners 0.7 m deep."""
+
+SEPARATE_LEVELS_M = 3.0
+"""Difference in height of paths that pass over each other; a car and its clearance need about this."""
+
+REGION_STEP_M = 0.25
+"""Spacing of the points of a region's outline that are projected on the paths."""
+
+APPROACH_HORIZON_M = 200.0
+"""Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
+
+OPPOSITE_SLACK_M = 1.0
+"""Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
+
+TAIL_REACH_M = 20.0
+"""How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
+
+MIN_TAIL_M = 2.0
+"""Shorter parts are rounding of the map."""
+
+
+# --- nominal trajectory C ---------------------------------------------------------------------------------------------
 CURVE_STEP_M = 0.5
 """Arc length between samples of C."""
 
-COMFORT_LATERAL_ACCELERATION = 3.0
-"""m/s²; cornering speed of the plan is √(this / curvature)."""
-
-MAX_LATERAL_ACCELERATION = 4.0
-"""m/s²; a command that exceeds it is discarded (centrifugal limit, F&L 1991, §3.2)."""
-
 LANE_CHANGE_DURATION_S = 3.0
 """Time of a lane change at road speed."""
-
-MIN_LANE_CHANGE_LENGTH_M = 12.0
-"""Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
 
 PLAN_HORIZON_M = 2000.0
 """C is planned this far ahead and prolonged before it runs out."""
@@ -64,7 +84,14 @@ CURVE_RUNOUT_M = 10.0
 CURVATURE_WINDOW_M = 2.0
 """Curvature is averaged over this length before it sets a speed: single samples do not brake a car."""
 
-# --- vehicle ---------------------------------------------------------------------------------------------------------
+
+# --- vehicle ----------------------------------------------------------------------------------------------------------
+COMFORT_LATERAL_ACCELERATION = 3.0
+"""m/s²; cornering speed of the plan is √(this / curvature)."""
+
+MAX_LATERAL_ACCELERATION = 4.0
+"""m/s²; a command that exceeds it is discarded (centrifugal limit, F&L 1991, §3.2)."""
+
 WHEELBASE_FRACTION = 0.6
 """Wheelbase / length; passenger cars range from 0.57 to 0.64."""
 
@@ -80,102 +107,11 @@ MAX_STEERING_RATE = 1.0
 COMFORT_DECELERATION = 2.5
 """m/s², planned braking."""
 
-COMFORT_JERK = 8.0
-"""m/s³; the fine grid changes the acceleration by no more, unless safety needs it."""
-
-MAX_ACCELERATION_IN_PLAN = 2.0
-"""m/s²; what the pilot counts on when it foresees its own motion (SUMO's default passenger car does 2.6)."""
-
-# --- executor --------------------------------------------------------------------------------------------------------
-LOOK_AHEAD_S = 0.2
-"""U₁ is taken where the front axle will be this long after the control period, the steering held."""
-
-LOOK_AHEAD_GROWTH = 0.02
-"""s per m/s; the look-ahead grows with speed so that fast driving steers gently."""
-
-MIN_LOOK_AHEAD_M = 0.6
-"""…but at least this far ahead, so that a standing car knows where to steer."""
-
-VALLEY_ATTRACTION = 1.0
-"""α of U₁, 1/m (F&L 1991, §3.3.1)."""
-
-VALLEY_REPULSION = 0.5
-"""β of U₁ (F&L 1991, §3.3.1)."""
-
-SHADOW_SCALE = 1.0
-"""k₀ of U₂, s (F&L 1991, §3.3.2)."""
-
-SHADOW_HORIZON_M = 40.0
-"""Obstacles farther away cast no potential."""
-
-COLLISION_HORIZON_S = 0.7
-"""Predicted footprints are tested this far; beyond, the others' headings no longer hold and the regions decide."""
-
-COLLISION_STEP_S = 0.1
-"""Time between tested footprints."""
-
-CONTROL_PERIOD_S = 0.1
-"""Longest control period δt of the default profile; a coarser simulation step is sub-stepped."""
-
-PAPER_CONTROL_PERIOD_S = 0.5
-"""δt of the paper (F&L 1991, §4)."""
-
-SPEED_APPROACH_S = 0.6
-"""Time constant with which the ego approaches a speed limit from below."""
-
-TIME_HEADWAY_S = 1.0
-"""Default τ behind a leader when the vehicle type states none."""
-
 STANDSTILL_GAP_M = 2.0
 """Gap to a standing leader."""
 
-SAFE_GAP_M = 0.5
-"""Gap that must remain when ego and leader have both braked as hard as they can."""
 
-STOP_LINE_MARGIN_M = 0.7
-"""Planned distance of the front bumper to a line."""
-
-HARD_STOP_MARGIN_M = 0.4
-"""Distance to a line that no admissible command gives up."""
-
-MAX_LATERAL_JERK = 8.0
-"""m/s³; bounds φ̇max at road speed."""
-
-PAPER_LATERAL_STEP = 1.1
-"""m/s²; most that one of the nine commands changes the lateral acceleration: coarser, it weaves; finer, it turns late."""
-
-PAPER_STEERING_SPEED = 4.0
-"""m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
-
-STEERING_GAIN = 1.0
-"""1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""
-
-# --- world model -----------------------------------------------------------------------------------------------------
-SWEPT_WIDTH_M = 2.2
-"""Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
-
-MIN_REGION_AREA_M2 = 0.01
-"""Smaller overlaps of paths that the network itself calls conflicting come from rounding (coordinates hold 1 cm)."""
-
-UNDECLARED_REGION_AREA_M2 = 0.5
-"""Overlap that makes a conflict region of paths that the network calls free of conflict: two corners 0.7 m deep."""
-
-SEPARATE_LEVELS_M = 3.0
-"""Difference in height of paths that pass over each other; a car and its clearance need about this."""
-
-REGION_STEP_M = 0.25
-"""Spacing of the points of a region's outline that are projected on the paths."""
-
-APPROACH_HORIZON_M = 200.0
-"""Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
-
-OPPOSITE_SLACK_M = 1.0
-"""Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
-
-MIN_PATH_LENGTH_M = 0.1
-"""Shortest spine or path; networks hold shapes of two equal points."""
-
-# --- perception ------------------------------------------------------------------------------------------------------
+# --- perception -------------------------------------------------------------------------------------------------------
 ATTENTION_TIME_S = 8.0
 """The ego looks this long ahead at its present speed."""
 
@@ -194,7 +130,17 @@ NEAR_M = 45.0
 PROJECTION_WINDOW_M = 8.0
 """How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
 
-# --- pilot -----------------------------------------------------------------------------------------------------------
+SIDE_BY_SIDE_ANGLE = 0.6
+"""rad; paths from one road that meet at a smaller angle run beside each other."""
+
+
+# --- pilot ------------------------------------------------------------------------------------------------------------
+MIN_LANE_CHANGE_LENGTH_M = 12.0
+"""Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
+
+MAX_ACCELERATION_IN_PLAN = 2.0
+"""m/s²; what the pilot counts on when it foresees its own motion (SUMO's default passenger car does 2.6)."""
+
 STANDING_SPEED = 0.1
 """m/s; SUMO counts a vehicle as waiting at or below it."""
 
@@ -252,14 +198,107 @@ CAUTIOUS_AHEAD_S = 4.0
 CAUTIOUS_AHEAD_M = 10.0
 """…and this far."""
 
+WAIT_SHIFT_M = 4.0
+"""A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
+
+LANE_CHANGE_CLEAR_M = 40.0
+"""With nobody nearer than this ahead on the other lane, the ego can speed up there."""
+
+URGENT_REACTION_S = 0.15
+"""Time headway that is left at the last place for a change…"""
+
+URGENT_FOLLOWER_DECELERATION = 3.5
+"""…and the braking (m/s²) asked of the follower there; 4.5 is what SUMO's default car does in normal driving."""
+
+OFF_THE_LINE_M = 1.5
+"""A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
+
+ENTERING_M = 6.0
+"""Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
+
+
+# --- executor ---------------------------------------------------------------------------------------------------------
+COMFORT_JERK = 8.0
+"""m/s³; the fine grid changes the acceleration by no more, unless safety needs it."""
+
+LOOK_AHEAD_S = 0.2
+"""U₁ is taken where the front axle will be this long after the control period, the steering held."""
+
+LOOK_AHEAD_GROWTH = 0.02
+"""s per m/s; the look-ahead grows with speed so that fast driving steers gently."""
+
+MIN_LOOK_AHEAD_M = 0.6
+"""…but at least this far ahead, so that a standing car knows where to steer."""
+
+VALLEY_ATTRACTION = 1.0
+"""α of U₁, 1/m (F&L 1991, §3.3.1)."""
+
+VALLEY_REPULSION = 0.5
+"""β of U₁ (F&L 1991, §3.3.1)."""
+
+SHADOW_SCALE = 1.0
+"""k₀ of U₂, s (F&L 1991, §3.3.2)."""
+
+SHADOW_HORIZON_M = 40.0
+"""Obstacles farther away cast no potential."""
+
+COLLISION_HORIZON_S = 0.7
+"""Predicted footprints are tested this far; beyond, the others' headings no longer hold and the regions decide."""
+
+COLLISION_STEP_S = 0.1
+"""Time between tested footprints."""
+
+SPEED_APPROACH_S = 0.6
+"""Time constant with which the ego approaches a speed limit from below."""
+
+SAFE_GAP_M = 0.5
+"""Gap that must remain when ego and leader have both braked as hard as they can."""
+
+STOP_LINE_MARGIN_M = 0.7
+"""Planned distance of the front bumper to a line."""
+
+HARD_STOP_MARGIN_M = 0.4
+"""Distance to a line that no admissible command gives up."""
+
+MAX_LATERAL_JERK = 8.0
+"""m/s³; bounds φ̇max at road speed."""
+
+PAPER_LATERAL_STEP = 1.1
+"""m/s²; most that one of the nine commands changes the lateral acceleration: coarser, it weaves; finer, it turns late."""
+
+PAPER_STEERING_SPEED = 4.0
+"""m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
+
+STEERING_GAIN = 1.0
+"""1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""
+
 TIME_TOLERANCE_S = 2.0
 """The ego slows down for a time constraint only if it would be earlier than this."""
 
 MAP_SIDE_M = 100.0
 """Side l of the world window that a bitmap covers; a cell is l/500 = 0.2 m (F&L 1991, §4)."""
 
+SLOT_HEADWAY_S = 0.4
+"""Time headway to the vehicle on the other lane behind which the ego falls in."""
+
+COMFORT_EXCESS = 1.2
+"""Braking harder than this times the comfortable one may jerk."""
+
+
+# --- control step -----------------------------------------------------------------------------------------------------
+CONTROL_PERIOD_S = 0.1
+"""Longest control period δt of the default profile; a coarser simulation step is sub-stepped."""
+
+PAPER_CONTROL_PERIOD_S = 0.5
+"""δt of the paper (F&L 1991, §4)."""
+
 MAP_MARGIN_M = 20.0
 """A new bitmap is drawn when the ego comes this near to the rim."""
+
+
+# --- hand-over in SUMO ------------------------------------------------------------------------------------------------
+MIN_PATH_LENGTH_M = 0.1
+"""Shortest spine or path; networks hold shapes of two equal points."""
 
 LANES_REFRESH_M = 5.0
 """The lanes in sight are chosen anew each time the ego has come this far."""
@@ -282,38 +321,5 @@ OFF_CURVE_M = 1.5
 STRADDLE_M = 0.1
 """A body nearer than this to a lane border is taken to reach over it."""
 
-WAIT_SHIFT_M = 4.0
-"""A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
-
-LANE_CHANGE_CLEAR_M = 40.0
-"""With nobody nearer than this ahead on the other lane, the ego can speed up there."""
-
-URGENT_REACTION_S = 0.15
-"""Time headway that is left at the last place for a change…"""
-
-URGENT_FOLLOWER_DECELERATION = 3.5
-"""…and the braking (m/s²) asked of the follower there; 4.5 is what SUMO's default car does in normal driving."""
-
-SLOT_HEADWAY_S = 0.4
-"""Time headway to the vehicle on the other lane behind which the ego falls in."""
-
-COMFORT_EXCESS = 1.2
-"""Braking harder than this times the comfortable one may jerk."""
-
 STUCK_S = 600.0
 """s; an ego that has been standing this long ends the run as not arrived."""
-
-OFF_THE_LINE_M = 1.5
-"""A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
-
-ENTERING_M = 6.0
-"""Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
-
-TAIL_REACH_M = 20.0
-"""How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
-
-MIN_TAIL_M = 2.0
-"""Shorter parts are rounding of the map."""
-
-SIDE_BY_SIDE_ANGLE = 0.6
-"""rad; paths from one road that meet at a smaller angle run beside each other."""
