@@ -59,7 +59,7 @@ def _drive(
     session: Session, ego_id: str, net: NetFile, scenario: Scenario, observer: Observer | None, progress: Progress | None
 ) -> tuple[Trip, Jury, str]:
     """Drive the ego; return the trip, the jury that watched it, and why it ended."""
-    trip = Trip(session, ego_id, net, scenario.profile)
+    trip, first_time = Trip(session, ego_id, net, scenario.profile), not is_cached()
     limits = trip.ego.limits
     jury = Jury(limits.length, limits.width, limits.wheelbase, trip.graph)
     for scene in trip.scenes():
@@ -68,8 +68,9 @@ def _drive(
             observer(scene)
         if progress is not None:
             progress(scene.step.time, scene.step.behaviour)
-        if not is_cached():
+        if first_time:
             mark_cached()
+            first_time = False
         if scenario.until_s is not None and scene.step.time >= scenario.until_s:
             return trip, jury, "arrived" if trip.arrived else f"until {scenario.until_s:g} s"
     return trip, jury, "arrived" if trip.arrived else f"stood still for {STUCK_S:g} s: {trip.stuck}"
