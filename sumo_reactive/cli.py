@@ -17,6 +17,7 @@ from sumo_reactive import __version__
 from sumo_reactive.errors import ReactiveError
 
 if TYPE_CHECKING:
+    from sumo_reactive.experiment.recorder import Recorder
     from sumo_reactive.experiment.result import TrialResult
     from sumo_reactive.experiment.scenario import Scenario
 
@@ -39,6 +40,13 @@ class ProfileName(StrEnum):
     PAPER = "paper"
 
 
+class DelaysName(StrEnum):
+    """The values of `--delays`."""
+
+    SHIFT = "shift"
+    REPLAN = "replan"
+
+
 def _show_version(asked: bool) -> None:
     if asked:
         typer.echo(f"sumo-reactive {__version__}")
@@ -58,6 +66,7 @@ def run(
     seed: Annotated[int | None, typer.Option(min=0, help="seed of the random numbers; else the scenario's, else 42")] = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     profile: Annotated[ProfileName | None, typer.Option(help="the paper's nine commands, or the finer default")] = None,
+    delays: Annotated[DelaysName | None, typer.Option(help="shift times by a delay, as in the paper, or re-plan")] = None,
     until: Annotated[float | None, typer.Option(help="end at this simulation time, s")] = None,
     until_end: Annotated[bool, typer.Option("--until-end", help="play on after the ego has arrived")] = False,
     out: Annotated[Path | None, typer.Option(help="folder for summary, trajectory and decisions")] = None,
@@ -69,14 +78,28 @@ def run(
     from sumo_reactive.experiment.scenario import load_scenario
 
     scenario = load_scenario(config)
-    scenario = _with_options(scenario, ego, seed, step_length, profile, until)
+    scenario = _with_options(scenario, ego, seed, step_length, profile, delays, until)
     scenario = replace(scenario, until_end=until_end, sumo_options=tuple(context.obj or ()))
     recorder = Recorder(out, overwrite=overwrite) if out else None
-    result = _drive(scenario, recorder.see if recorder else None, quiet)
+    result = _drive(scenario, recorder, quiet)
     if recorder:
         recorder.write(result)
     _show(result, quiet)
     return result.exit_code
+
+
+@app.command()
+def explain(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="folder that a run has written with --out")],
+    at: Annotated[float | None, typer.Option(help="tell all that was in force at this simulation time, s")] = None,
+) -> int:
+    """Tell in sentences why the ego of a recorded run did what it did."""
+    from sumo_reactive.report.explain import moment, story
+    from sumo_reactive.report.recording import load
+
+    recording = load(folder)
+    typer.echo("\n".join(story(recording) if at is None else moment(recording, at)))
+    return 0
 
 
 def _with_options(
@@ -85,10 +108,12 @@ def _with_options(
     seed: int | None,
     step_length: float | None,
     profile: ProfileName | None,
+    delays: DelaysName | None,
     until: float | None,
 ) -> Scenario:
     """Return the scenario with what the command line says in place of what the file says."""
     from sumo_reactive.controller import Profile
+    from sumo_reactive.pilot.schedule import Delays
 
     return replace(
         scenario,
@@ -96,18 +121,21 @@ def _with_options(
         seed=scenario.seed if seed is None else seed,
         step_length_s=scenario.step_length_s if step_length is None else step_length,
         profile=scenario.profile if profile is None else Profile(profile.value),
+        delays=scenario.delays if delays is None else Delays(delays.value),
         until_s=scenario.until_s if until is None else until,
     )
 
 
-def _drive(scenario: Scenario, observer: Callable[..., None] | None, quiet: bool) -> TrialResult:
+def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialResult:
     from sumo_reactive.compilation import is_cached
     from sumo_reactive.experiment.trial import run_trial
 
     if not is_cached():
         typer.echo(COMPILING_NOTE, err=True)
     with _progress(quiet) as progress:
-        return run_trial(scenario, observer=observer, progress=progress)
+        if recorder is None:
+            return run_trial(scenario, progress=progress)
+        return run_trial(scenario, observer=recorder.see, progress=progress, survey=recorder.survey)
 
 
 @contextmanager
@@ -158,7 +186,8 @@ def _exit_code(arguments: list[str], sumo_options: list[str]) -> int:
         return _fail(str(error), error.exit_code)
     except UsageErrors as error:
         message = getattr(error, "format_message", error.__str__)()
-        return _fail(f"{message} (see sumo-reactive run --help)", USAGE_ERROR)
+        asked = getattr(getattr(error, "ctx", None), "command_path", "sumo-reactive")
+        return _fail(f"{message} (see {asked} --help)", USAGE_ERROR)
     except (typer.Abort, KeyboardInterrupt):
         return _fail("interrupted", INTERRUPTED)
     except Exception:

@@ -17,7 +17,7 @@ import numba
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-_KERNEL_ROOMS = ("vehicle", "executor", "perception", "geometry")
+_KERNEL_ROOMS = ("geometry", "vehicle", "perception", "pilot", "executor")
 
 
 def _cache_folder() -> Path:

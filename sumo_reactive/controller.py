@@ -9,22 +9,25 @@ from typing import NamedTuple
 
 from sumo_reactive.executor.executor import Execution, execute
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map
-from sumo_reactive.messages.completed_plan import CompletedPlan, Weights
+from sumo_reactive.messages.completed_plan import CompletedPlan, Replanning
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, PAPER_CONTROL_PERIOD_S
+from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.perception.attention import conflicts_of, in_sight
+from sumo_reactive.perception.outlook import outlook
 from sumo_reactive.perception.perceive import locate, perceive
+from sumo_reactive.perception.static import static_within
+from sumo_reactive.pilot.events import detect
 from sumo_reactive.pilot.memory import PilotMemory
-from sumo_reactive.pilot.pilot import Ahead, decide
+from sumo_reactive.pilot.passages import Ahead
+from sumo_reactive.pilot.pilot import Style, decide, notice
+from sumo_reactive.pilot.schedule import Delays
+from sumo_reactive.planner.time_constraints import retimed
 from sumo_reactive.vehicle.bicycle import advance
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
-
-PAPER_WEIGHTS = Weights(valley=15.0, shadow=0.3, velocity=1.0)
-"""Found by hand, as the paper's were: nine commands keep to C only if U₁ outweighs a step of speed (F&L 1991, §4)."""
 
 
 class Profile(Enum):
@@ -38,13 +41,15 @@ class Profile(Enum):
 class Drive:
     """All that one step hands to the next: the ego, its plan and place on it, the pilot's memory, the executor's map.
 
-    `last` is the execution whose command is held until simulation time `held_until` (s).
+    `completed` is the plan that the pilot has completed last, in force until an event; `last` is the execution whose
+    command is held until simulation time `held_until` (s).
     """
 
     ego: VehicleState
     plan: NominalPlan
     s: float
     memory: PilotMemory = PilotMemory()
+    completed: CompletedPlan | None = None
     valley: ValleyMap = NO_MAP
     last: Execution | None = None
     held_until: float = -math.inf
@@ -66,6 +71,8 @@ class Controller:
     graph: RoadGraph
     limits: VehicleLimits
     profile: Profile = Profile.DEFAULT
+    delays: Delays = Delays.REPLAN
+    vehicle_class: str = "passenger"
 
     def step(self, traffic: Traffic, drive: Drive, duration: float) -> Step:
         """Drive for `duration` s: one control step, or as many as a coarse duration needs."""
@@ -74,28 +81,45 @@ class Controller:
         period = duration / parts
         step = self._once(traffic, drive, period)
         for part in range(1, parts):
-            step = self._once(moved(traffic, part * period), step.drive, period)
+            before, step = step.completed, self._once(moved(traffic, part * period), step.drive, period)
+            step = step._replace(completed=step.completed.after(before))
         return step
 
     def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
-        snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s)
-        completed, memory = decide(snapshot, drive.plan, self._ahead(snapshot, drive.plan), drive.memory, self.limits)
-        if self.profile is Profile.PAPER:
-            completed = replace(completed, weights=PAPER_WEIGHTS)
+        snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class)
+        completed, memory = self._completed(snapshot, traffic, drive)
+        drive = replace(drive, memory=memory, completed=completed.held())
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
             s = self._place(ego, drive.plan, snapshot.s)
-            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=s, memory=memory))
-        valley = self._valley(drive, snapshot)
+            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=s))
+        valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
         held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
         execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
         s = self._place(execution.state, drive.plan, snapshot.s)
-        after = Drive(execution.state, drive.plan, s, memory, valley, execution, traffic.time + held)
+        until = traffic.time + held
+        after = replace(drive, ego=execution.state, s=s, valley=valley, last=execution, held_until=until)
         return Step(snapshot, completed, execution, after)
+
+    def _completed(self, snapshot: Snapshot, traffic: Traffic, drive: Drive) -> tuple[CompletedPlan, PilotMemory]:
+        """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2)."""
+        plan, memory = drive.plan, notice(snapshot, drive.memory)
+        ahead = self._ahead(snapshot, plan)
+        no_command = drive.last is not None and drive.last.emergency
+        events = detect(snapshot, plan, ahead, drive.completed, memory, no_command)
+        if not events and drive.completed is not None:
+            return drive.completed, memory
+        view = outlook(traffic, snapshot, plan, self.graph)
+        style = Style(self.profile is Profile.PAPER, self.delays)
+        completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
+        if completed.request.what is Replanning.TIMES:
+            times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits)
+            completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
+        return completed, memory
 
     def _place(self, ego: VehicleState, plan: NominalPlan, s_before: float) -> float:
         return locate(ego, plan, self.limits, s_before)[0]
@@ -104,20 +128,22 @@ class Controller:
         ids = ((i, plan.passages[i].connection_id) for i in in_sight(plan, snapshot.front, snapshot.ego.speed))
         return tuple((i, self.graph.connections[name], conflicts_of(self.graph, name)) for i, name in ids)
 
-    def _valley(self, drive: Drive, snapshot: Snapshot) -> ValleyMap:
+    def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:
         """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""
         if self.profile is Profile.DEFAULT:
             return NO_MAP
         pose = snapshot.ego.pose
         if len(drive.valley.bitmaps) and drive.valley.holds(pose.x, pose.y, MAP_MARGIN_M):
             return drive.valley
-        return valley_map(drive.plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, snapshot.static)
+        plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
+        static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
+        return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static)
 
 
 def moved(traffic: Traffic, duration: float) -> Traffic:
     """Foresee the others `duration` s on: at constant speed along their heading."""
     users = tuple(_moved(user, duration) for user in traffic.users)
-    return Traffic(traffic.time + duration, users, traffic.lights)
+    return replace(traffic, time=traffic.time + duration, users=users)
 
 
 def _moved(user: RoadUser, duration: float) -> RoadUser:
@@ -129,6 +155,7 @@ def _moved(user: RoadUser, duration: float) -> RoadUser:
     )
 
 
-def replanned(drive: Drive, plan: NominalPlan) -> Drive:
-    """Return the drive on a new plan, which begins at the ego's front axle."""
-    return replace(drive, plan=plan, s=0.0, valley=NO_MAP)
+def replanned(drive: Drive, plan: NominalPlan, time: float) -> Drive:
+    """Return the drive on a new plan, which begins at the ego's front axle and inherits the delay."""
+    late = drive.plan.delay(drive.s, time)
+    return replace(drive, plan=replace(plan, times=plan.times - late), s=0.0, valley=NO_MAP)

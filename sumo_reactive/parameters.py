@@ -28,6 +28,9 @@ TAIL_REACH_M = 20.0
 MIN_TAIL_M = 2.0
 """Shorter parts are rounding of the map."""
 
+BORDER_STEP_M = 1.0
+"""Spacing of the points of O_S on a road's border: 1.6 m beside one, the nearest is at most 2.1 m away (taxicab)."""
+
 
 # --- nominal trajectory C ---------------------------------------------------------------------------------------------
 CURVE_STEP_M = 0.5
@@ -127,8 +130,17 @@ CORRIDOR_MARGIN_M = 0.2
 NEAR_M = 45.0
 """Users nearer than this cast U₂ and are tested for contact."""
 
+STATIC_REACH_M = 12.0
+"""Taxicab distance up to which exact U₁ sees points of O_S: β·d/12 m is 4 % of α·d, and F moves 7 m in 0.1 s at 70 m/s."""
+
 PROJECTION_WINDOW_M = 8.0
 """How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
+
+PATH_STEP_M = 2.0
+"""Spacing of the points on another's foreseen path."""
+
+FORECAST_REACH_M = 300.0
+"""Others are foreseen this far: 13 s at 22 m/s."""
 
 SIDE_BY_SIDE_ANGLE = 0.6
 """rad; paths from one road that meet at a smaller angle run beside each other."""
@@ -215,6 +227,116 @@ OFF_THE_LINE_M = 1.5
 
 ENTERING_M = 6.0
 """Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
+
+
+BEHAVIOUR_TOLERANCE = 1.0
+"""m/s; another road user keeps its behaviour as long as its speed differs less from the foreseen one."""
+
+OFF_NOMINAL_SPEED = 3.0
+"""m/s; "v far from nominal" (F&L 1991, §2): a fifth of city speed."""
+
+TRUST_S = 0.3
+"""Near an intersection, and while a gap is sought, the others are foreseen anew after this long…"""
+
+TRUST_AHEAD_S = 1.0
+"""…and after this long while the intersection is still far."""
+
+DELAY_STEP_S = 5.0
+"""A delay is excessive, each time, when it has grown by this much."""
+
+NO_PROGRESS_S = 20.0
+"""An ego that has not come on for this long, though nobody has the right to block it, looks for an escape."""
+
+PROGRESS_M = 1.0
+"""Coming on means this far."""
+
+ASSESSED_S = 8.0
+"""The planned manoeuvre is simulated this far ahead: approach and crossing of an intersection at city speed."""
+
+ASSESSMENT_STEP_S = 0.2
+"""Step of that simulation: 2.8 m at city speed, less than a car's length."""
+
+EXCESSIVE_DELAY_S = 5.0
+"""k₂ (F&L 1991, §2): a plan that will be later than this is degraded."""
+
+
+SETTLED_SPEED = 1.0
+"""k₁ (F&L 1991, §2), m/s: the ego has settled behind X if its speed differs less from what following X allows."""
+
+SLOW_SHARE = 0.75
+"""X is worth overtaking below this share of the road's speed…"""
+
+SLOWER_BY = 2.5
+"""…and if it is slower by this much (m/s): a pass then takes less than ten seconds."""
+
+FOLLOWING_M = 12.0
+"""The ego follows X with a gap up to this…"""
+
+FOLLOWING_S = 2.0
+"""…and this time headway;"""
+
+HALTED_AHEAD_S = 4.0
+"""somebody who has halted counts from this far on, so that the ego need not stop behind him."""
+
+OFF_CURVE_EPSILON_M = 0.3
+"""ε (F&L 1991, §2): the ego is back on C when it is nearer than this."""
+
+PASSING_CLEARANCE_M = 0.65
+"""Room left beside who is passed: a car of 1.8 m then still touches its own lane of 3.2 m, where SUMO maps it…"""
+
+TWO_WHEELER_CLEARANCE_M = 1.2
+"""…and beside two-wheelers, which sway."""
+
+TWO_WHEELER_WIDTH_M = 1.2
+"""A narrower vehicle is one."""
+
+EDGE_MARGIN_M = 0.1
+"""Room kept to the border of the own lane when somebody is passed within it."""
+
+OVERTAKING_END_M = 30.0
+"""No overtaking nearer to an intersection than this; the last metres are for coming back before…"""
+
+HALTED_END_M = 3.0
+"""…and past somebody who has halted, than this."""
+
+HALTED_GAP_M = 1.0
+"""Gap left in front of somebody who has halted, before coming back."""
+
+RETURN_HEADWAY_S = 0.8
+"""Time headway left to who has been passed…"""
+
+RETURN_GAP_M = 3.0
+"""…and this gap."""
+
+OVERTAKING_S = 25.0
+"""No overtaking takes longer."""
+
+PROOF_ROOM_M = 0.2
+"""Room around the ego's body that the proof asks for before it pulls out."""
+
+OVERTAKING_MARGIN_S = 3.5
+"""Oncoming traffic may be this much earlier than foreseen, or half of it later, and an overtaking still meets nobody…"""
+
+MERGE_MARGIN_S = 1.0
+"""…and traffic on the lane beside that drives the ego's way this much."""
+
+OVERTAKING_SIGHT_M = 600.0
+"""How far the ego looks along the oncoming lane when it wants to overtake: 14 s at 22 m/s towards each other."""
+
+HALTED_ROOM_M = 8.0
+"""The ego stops this far behind somebody who has halted: room to swing out."""
+
+BACK_UP_CLEAR_M = 2.0
+"""Room that must be left behind the ego after backing up."""
+
+BACK_UP_SPEED = 1.0
+"""m/s; walking speed."""
+
+FALL_BACK_BY = 4.0
+"""m/s; so much slower than X the ego drops back beside it."""
+
+UPDATE_ASIDE_M = 4.0
+"""The place of return is planned anew when it moves by more."""
 
 
 # --- executor ---------------------------------------------------------------------------------------------------------
@@ -311,6 +433,21 @@ PERSON_DECELERATION = 5.0
 
 TELEPORT_GUARD_S = 5.0
 """The ego ends its waiting time this long before SUMO would teleport it."""
+
+OBSTACLE_POLYGONS = "obstacle"
+"""Polygons of this type stand on the road, unless the scenario names another."""
+
+OUTLINE_STEP_M = 0.5
+"""Spacing of the points of O_S on the outline of a parked vehicle or a polygon: a tenth of a car's length."""
+
+STATIC_SIGHT_M = 60.0
+"""Parked vehicles and polygons are points of O_S up to this far in x and y: half a bitmap's side, and a refresh more."""
+
+POLYGON_REACH_M = 150.0
+"""Polygons on the road are seen this far: braking from 25 m/s takes 125 m."""
+
+THIN_POLYGON_M = 0.05
+"""Half the width of a polygon that is but a line or a point."""
 
 PLAN_RESERVE_M = 600.0
 """C is prolonged when less than this is left of it and the goal is not on it (braking from 50 m/s takes 500 m)."""

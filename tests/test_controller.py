@@ -91,5 +91,13 @@ def test_within_a_coarse_step_the_others_are_foreseen_to_drive_on():
 def test_a_new_plan_begins_at_the_ego_and_keeps_what_the_pilot_remembers(ego):
     drive = steps_of(ego, 0.1, 2.0)[-1].drive
     other = before("four_way_priority", ROUTE, 40.0, 9.0).plan
-    again = replanned(drive, other)
-    assert (again.plan, again.s, again.memory, again.ego) == (other, 0.0, drive.memory, drive.ego)
+    again = replanned(drive, other, ego.time + 2.0)
+    assert (again.plan.curve, again.s, again.memory, again.ego) == (other.curve, 0.0, drive.memory, drive.ego)
+
+
+def test_a_new_plan_inherits_the_delay_of_the_old_one(ego):
+    drive = replace(ego.drive(), s=20.0)
+    scheduled = float(np.interp(20.0, ego.plan.curve.step * np.arange(len(ego.plan.times)), ego.plan.times))
+    now = scheduled + 7.0
+    other = replace(ego.plan, times=ego.plan.times - ego.plan.times[0] + now)
+    assert replanned(drive, other, now).plan.delay(0.0, now) == pytest.approx(7.0)

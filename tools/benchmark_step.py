@@ -3,11 +3,11 @@
 
     python tools/benchmark_step.py [--repeats N] [--starts N]
 
-Control step: perceive, decide and execute with 81 commands on a frozen scene: the ego comes up the minor road of
-`networks/four_way_priority` to turn left, ten cars are near. Each time is given twice: by the wall's clock, which counts
-what other processes take, and by the processor's, which does not. Start-up: from the start of a Python process to the end
-of the first control step of a run, kernels cached. In a run the steps of SUMO in between empty the processor's caches;
-the summary of `sumo-reactive run` tells what a control step costs there.
+Control step: perceive, decide if an event asks for it, and execute with 81 commands on a frozen scene: the ego comes up
+the minor road of `networks/four_way_priority` to turn left, ten cars are near. Each time is given twice: by the wall's
+clock, which counts what other processes take, and by the processor's, which does not. Start-up: from the start of a
+Python process to the end of the first control step of a run, kernels cached. In a run the steps of SUMO in between empty
+the processor's caches; the summary of `sumo-reactive run` tells what a control step costs there.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import subprocess
 import sys
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -87,19 +88,27 @@ def time_step(repeats: int) -> None:
 
 
 def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # type: ignore[no-untyped-def]
-    """Return the whole step and its three stages, each ready to be called."""
+    """Return the whole step, with the pilot and without, and its stages, each ready to be called."""
     from sumo_reactive.executor.executor import execute
+    from sumo_reactive.messages.event import Event, EventKind
+    from sumo_reactive.perception.outlook import outlook
     from sumo_reactive.perception.perceive import perceive
-    from sumo_reactive.pilot.pilot import decide
+    from sumo_reactive.pilot.events import detect
+    from sumo_reactive.pilot.pilot import Style, decide
 
     step = controller.step(traffic, drive, PERIOD_S)
     graph, limits, plan, snapshot = controller.graph, controller.limits, drive.plan, step.snapshot
-    ahead = controller._ahead(snapshot, plan)
+    ahead, view, after = controller._ahead(snapshot, plan), outlook(traffic, snapshot, plan, graph), step.drive
+    event = (Event(EventKind.NEW_PLAN),)
+    between = replace(after, ego=drive.ego, s=drive.s)
     return {
-        "control step": lambda: controller.step(traffic, drive, PERIOD_S),
+        "step with an event": lambda: controller.step(traffic, drive, PERIOD_S),
+        "step between events": lambda: controller.step(traffic, between, PERIOD_S),
         "  perceive": lambda: perceive(traffic, drive.ego, plan, graph, limits, drive.s),
         "  what lies ahead": lambda: controller._ahead(snapshot, plan),
-        "  decide": lambda: decide(snapshot, plan, ahead, drive.memory, limits),
+        "  detect events": lambda: detect(snapshot, plan, ahead, after.completed, after.memory, False),
+        "  outlook (on an event)": lambda: outlook(traffic, snapshot, plan, graph),
+        "  decide (on an event)": lambda: decide(snapshot, plan, ahead, view, event, drive.memory, limits, Style()),
         "  execute": lambda: execute(snapshot, step.completed, limits, PERIOD_S),
     }
 

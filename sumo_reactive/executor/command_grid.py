@@ -69,3 +69,9 @@ def fine_grid(
         np.minimum(np.maximum(nodes, -limits.emergency_deceleration), limits.max_acceleration),
         np.minimum(np.maximum(rates, -top), top),
     )
+
+
+def wide_grid(limits: VehicleLimits) -> CommandGrid:
+    """A 9 × 21 grid over all that the car can do: the way out of a local minimum of the usual ones."""
+    accelerations = np.linspace(-limits.emergency_deceleration, limits.max_acceleration, 9)
+    return CommandGrid(accelerations, np.linspace(-limits.max_steering_rate, limits.max_steering_rate, 21))

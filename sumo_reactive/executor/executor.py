@@ -8,15 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid
+from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid, wide_grid
 from sumo_reactive.executor.field import EMERGENCY, choose_command
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap
-from sumo_reactive.executor.velocity import cruise_speed, following_speed, stopping_speed
+from sumo_reactive.executor.velocity import cruise_speed
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.messages.completed_plan import CompletedPlan
-from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.messages.decision import Instruction
+from sumo_reactive.messages.plan import TimeConstraint
+from sumo_reactive.messages.snapshot import Neighbour, Snapshot
 from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
+    BACK_UP_SPEED,
     COMFORT_EXCESS,
     HARD_STOP_MARGIN_M,
     SAFE_GAP_M,
@@ -28,6 +31,7 @@ from sumo_reactive.parameters import (
 )
 from sumo_reactive.vehicle.bicycle import advance
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.vehicle.safe_speed import following_speed, stopping_speed
 
 Array = NDArray[np.float64]
 
@@ -44,8 +48,7 @@ class Potentials(NamedTuple):
 class Execution(NamedTuple):
     """The command for the next control period, the state it leads to, and feedback to the pilot.
 
-    `emergency`: no command left a way to stop clear, so the hardest brake along C was taken. `lateness`: how far behind
-    the next time constraint the ego is bound to be, s.
+    `emergency`: no command left a way to stop clear, so the hardest brake along C was taken.
     """
 
     command: Command
@@ -53,7 +56,6 @@ class Execution(NamedTuple):
     desired_speed: float
     potentials: Potentials
     emergency: bool
-    lateness: float
 
 
 def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
@@ -61,33 +63,49 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
 
     It falls with the comfortable deceleration, or with the one that a stop or a leader needs if that is greater.
     """
-    speed, front, comfort = snapshot.ego.speed, snapshot.front, limits.comfort_deceleration
-    best = max(_cruise(snapshot, completed, limits, period), speed - comfort * period)
+    speed, front, profile = snapshot.ego.speed, snapshot.front, completed.tuning.profile
+    comfort = limits.comfort_deceleration * profile.deceleration
+    free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
+    best = max(free, speed - comfort * period)
+    headway = limits.time_headway * profile.headway
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
         room = max(away, 0.5 * (completed.stop.s - HARD_STOP_MARGIN_M - front))
         braking = max(comfort, _needed(speed, 0.0, room, limits))
         best = min(best, max(stopping_speed(away, comfort, period), speed - braking * period))
-    for leader in completed.leaders:
+    for leader in snapshot.leaders:
         gap = leader.s - front - limits.standstill_gap
         room = max(gap, 0.5 * (leader.s - SAFE_GAP_M - front))
         braking = max(comfort, _needed(speed, leader.speed, room, limits))
-        following = following_speed(gap, leader.speed, comfort, limits.time_headway)
+        following = following_speed(gap, leader.speed, comfort, headway)
         best = min(best, max(following, speed - braking * period))
-    if completed.slot is not None:
-        gap = completed.slot.s - front - limits.standstill_gap
-        following = following_speed(gap, completed.slot.speed, comfort, SLOT_HEADWAY_S)
+    slot = _slot(snapshot, completed.slot) if completed.slot else None
+    if slot is not None:
+        gap = slot.ahead - slot.user.body.length
+        following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
         best = min(best, max(following, speed - comfort * period))
     return max(best, 0.0)
 
 
+def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
+    return next((n for n in snapshot.neighbours if n.user.id == user_id), None)
+
+
+def _target(snapshot: Snapshot, completed: CompletedPlan) -> TimeConstraint | None:
+    """Return the next (l, t_l) of P⁺."""
+    return next((c for c in completed.time_constraints if c.s > snapshot.front), None)
+
+
 def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
     """The speed that road and time constraint ask for, approached gently from below (m/s)."""
-    plan, speed, target = completed.plan, snapshot.ego.speed, completed.target
+    plan, speed, target = completed.plan, snapshot.ego.speed, _target(snapshot, completed)
+    acceleration = limits.max_acceleration * completed.tuning.profile.acceleration
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
     road = float(plan.speed_limits[min(max(sample, 0), len(plan.speed_limits) - 1)])
-    left = target.time - snapshot.time - TIME_TOLERANCE_S
-    best = min(road, cruise_speed(speed, target.s - snapshot.front, left, road, limits.max_acceleration))
+    best = road
+    if target is not None:
+        left = target.time - snapshot.time - TIME_TOLERANCE_S
+        best = min(road, cruise_speed(speed, target.s - snapshot.front, left, road, acceleration))
     return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
 
 
@@ -121,7 +139,7 @@ def room_to_brake(snapshot: Snapshot, completed: CompletedPlan) -> float:
     room = math.inf
     if completed.stop is not None:
         room = completed.stop.s - HARD_STOP_MARGIN_M - snapshot.front
-    for leader in completed.leaders:
+    for leader in snapshot.leaders:
         braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
         room = min(room, leader.s - snapshot.front - SAFE_GAP_M + braking)
     return room
@@ -141,6 +159,8 @@ def execute(
     `nine_commands` takes the paper's command space instead of the fine grid, `valley` its bitmaps instead of exact
     distances.
     """
+    if completed.instruction is Instruction.BACK_UP:
+        return back_up(snapshot, completed, limits, period)
     ego = snapshot.ego
     wanted = _without_jerk(desired_speed(snapshot, completed, limits, period), ego, limits, period)
     if nine_commands:
@@ -148,17 +168,18 @@ def execute(
     else:
         steering = steering_rate_of_curve(snapshot, completed, limits, period)
         grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
+    if completed.tuning.wide_grid:
+        grid = wide_grid(limits)
     room = room_to_brake(snapshot, completed)
     index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, wanted, valley)
     command = Command(
         float(grid.accelerations[index // len(grid.steering_rates)]),
         float(grid.steering_rates[index % len(grid.steering_rates)]),
     )
-    w = completed.weights
+    w = completed.tuning.weights
     total = w.valley * terms[0] + w.shadow * terms[1] + w.velocity * terms[2]
-    late = _lateness(snapshot, completed, wanted)
     state = advance(ego, command, limits.wheelbase, period)
-    return Execution(command, state, wanted, Potentials(total, *terms), verdict == EMERGENCY, late)
+    return Execution(command, state, wanted, Potentials(total, *terms), verdict == EMERGENCY)
 
 
 def _choose(
@@ -171,7 +192,7 @@ def _choose(
     wanted: float,
     valley: ValleyMap,
 ) -> tuple[int, int, float, float, float]:
-    ego, curve, w = snapshot.ego, completed.plan.curve, completed.weights
+    ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
     p = ego.pose
     state = np.array((p.x, p.y, p.heading, ego.speed, ego.steering_angle))
     lateral = abs(ego.speed**2 * math.sin(ego.steering_angle) / limits.wheelbase)
@@ -196,6 +217,15 @@ def _choose(
     )  # fmt: skip
 
 
-def _lateness(snapshot: Snapshot, completed: CompletedPlan, speed: float) -> float:
-    left = completed.target.s - snapshot.front
-    return max(0.0, snapshot.time + left / max(speed, 0.1) - completed.target.time) if left > 0.0 else 0.0
+def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:
+    """Drive backwards at walking speed, wheels straight, until the front bumper is at the stop that the pilot named."""
+    ego = snapshot.ego
+    left = max(snapshot.front - completed.stop.s, 0.0) if completed.stop else 0.0
+    calm = limits.max_acceleration * completed.tuning.profile.acceleration
+    faster = max(-ego.speed, 0.0) + calm * period
+    wanted = -min(BACK_UP_SPEED, math.sqrt(2.0 * calm * left), faster)
+    steering = -ego.steering_angle / period
+    rate = max(-limits.max_steering_rate, min(limits.max_steering_rate, steering))
+    command = Command((wanted - ego.speed) / period, rate)
+    state = advance(ego, command, limits.wheelbase, period, lowest=-BACK_UP_SPEED)
+    return Execution(command, state, wanted, Potentials(0.0, 0.0, 0.0, 0.0), emergency=False)

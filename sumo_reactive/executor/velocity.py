@@ -28,21 +28,3 @@ def cruise_speed(speed: float, distance: float, time_left: float, top_speed: flo
     b = speed + acceleration * time_left
     root = b * b - speed * speed - 2.0 * acceleration * distance
     return top_speed if root <= 0.0 else min(top_speed, b - math.sqrt(root))
-
-
-def stopping_speed(distance: float, deceleration: float, period: float) -> float:
-    """Largest speed after the next `period` (s) from which `deceleration` (m/s²) stops within `distance` m from now."""
-    if distance <= 0.0:
-        return 0.0
-    b = deceleration * period
-    return -b + math.sqrt(b * b + 2.0 * deceleration * distance)
-
-
-def following_speed(gap: float, leader_speed: float, deceleration: float, time_headway: float) -> float:
-    """Speed that keeps `time_headway` (s) behind a leader (m, m/s) and stops behind it when both brake alike.
-
-    The safe speed of Krauss (1998): v = −bτ + √((bτ)² + v_l² + 2b·gap).
-    """
-    b = deceleration * time_headway
-    root = b * b + leader_speed * leader_speed + 2.0 * deceleration * gap
-    return max(0.0, -b + math.sqrt(root)) if root > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""The record of a trial in a folder: `summary.json`, `trajectory.parquet`, `decisions.jsonl`."""
+"""The record of a trial in a folder: `summary.json`, `trajectory.parquet`, `decisions.jsonl`, `regions.json`."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.result import TrialResult
 from sumo_reactive.experiment.summary import summary_of
+from sumo_reactive.experiment.trace import entries, line_of
 from sumo_reactive.experiment.trajectory import write_trajectory
-from sumo_reactive.messages.decision import Decision
 from sumo_reactive.messages.record import Scene, StepRecord
+from sumo_reactive.world.regions import ConflictRegion
+from sumo_reactive.world.road_graph import RoadGraph
 
-SUMMARY, TRAJECTORY, DECISIONS = "summary.json", "trajectory.parquet", "decisions.jsonl"
+SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
 
 
 class Recorder:
@@ -29,11 +31,16 @@ class Recorder:
     def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
         self._folder = folder
         self._steps: list[StepRecord] = []
+        self._graph: RoadGraph | None = None
         _require_usable(folder, overwrite)
 
     def see(self, scene: Scene) -> None:
         """Keep one step."""
         self._steps.append(scene.step)
+
+    def survey(self, graph: RoadGraph) -> None:
+        """Keep the world, for the outlines of the conflict regions that the steps name."""
+        self._graph = graph
 
     def write(self, result: TrialResult) -> None:
         """Write all files under a temporary name beside the folder, then move them into place, the summary last."""
@@ -50,10 +57,18 @@ class Recorder:
 
     def _write_into(self, partial: Path, result: TrialResult) -> None:
         write_trajectory(partial / TRAJECTORY, self._steps)
-        lines = (json.dumps(line, allow_nan=False) + "\n" for line in decision_lines(self._steps))
+        lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (partial / DECISIONS).write_text("".join(lines), encoding="utf-8")
+        outlines = {region.id: region.polygon.round(3).tolist() for region in self._regions_named()}
+        (partial / REGIONS).write_text(json.dumps(outlines, allow_nan=False) + "\n", encoding="utf-8")
         summary = json.dumps(summary_of(result), indent=2, allow_nan=False)
         (partial / SUMMARY).write_text(summary + "\n", encoding="utf-8")
+
+    def _regions_named(self) -> Iterator[ConflictRegion]:
+        named = {state.region for step in self._steps for state in step.regions}
+        named |= {decision.region for step in self._steps for decision in step.decisions}
+        of_connections = self._graph.regions.values() if self._graph else ()
+        return (region for regions in of_connections for region in regions if region.id in named)
 
     def _move(self, partial: Path) -> None:
         partial.chmod(0o777 & ~_umask())
@@ -61,43 +76,14 @@ class Recorder:
             partial.rename(self._folder)
             return
         (self._folder / SUMMARY).unlink(missing_ok=True)
-        for name in (TRAJECTORY, DECISIONS, SUMMARY):
+        for name in (TRAJECTORY, DECISIONS, REGIONS, SUMMARY):
             (partial / name).replace(self._folder / name)
-
-
-def decision_lines(steps: Sequence[StepRecord]) -> Iterator[dict[str, object]]:
-    """Yield a line where the behaviour or the set of decisions changes, and where an emergency begins."""
-    last: object = None
-    in_emergency = False
-    for step in steps:
-        now = (step.behaviour, {_without_figures(decision) for decision in step.decisions})
-        began = step.emergency and not in_emergency
-        if now != last or began:
-            decisions = [_as_dict(decision) for decision in step.decisions]
-            line = {"time_s": round(step.time, 3), "behaviour": step.behaviour, "decisions": decisions}
-            yield line | ({"emergency": True} if began else {})
-        last, in_emergency = now, step.emergency
-
-
-def _without_figures(decision: Decision) -> tuple[object, ...]:
-    return decision.behaviour, decision.reason, decision.region, decision.cause, decision.passes
-
-
-def _as_dict(decision: Decision) -> dict[str, object]:
-    return {
-        "behaviour": decision.behaviour.value,
-        "reason": decision.reason.value,
-        "region": decision.region,
-        "cause": decision.cause,
-        "passes": decision.passes,
-        "figures": {name: round(value, 3) if abs(value) < float("inf") else None for name, value in decision.figures},
-    }
 
 
 def _require_usable(folder: Path, overwrite: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise ScenarioError(f"{folder}: a file, not a folder for the record of a run")
-    found = [name for name in (SUMMARY, TRAJECTORY, DECISIONS) if (folder / name).exists()]
+    found = [name for name in (SUMMARY, TRAJECTORY, DECISIONS, REGIONS) if (folder / name).exists()]
     if found and not overwrite:
         raise ScenarioError(f"{folder}: holds another run ({', '.join(found)}); use --overwrite or another folder")
     existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())

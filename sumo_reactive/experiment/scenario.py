@@ -11,6 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sumo_reactive.controller import Profile
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.parameters import OBSTACLE_POLYGONS
+from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.sumo.config import read_config
 
 DEFAULT_SEED = 42
@@ -21,7 +23,8 @@ class Scenario:
     """One run: SUMO configuration `config`, vehicle `ego` (None: to be chosen), as named by the file `source`.
 
     `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
-    run ends at the latest. `until_end` plays the scenario out after the ego's arrival.
+    run ends at the latest. `until_end` plays the scenario out after the ego's arrival. Polygons of the type
+    `obstacle_polygons` stand on the road as bodies.
     """
 
     config: Path
@@ -30,8 +33,10 @@ class Scenario:
     step_length_s: float | None = None
     until_s: float | None = None
     profile: Profile = Profile.DEFAULT
+    delays: Delays = Delays.REPLAN
     until_end: bool = False
     sumo_options: tuple[str, ...] = ()
+    obstacle_polygons: str = OBSTACLE_POLYGONS
     source: Path = Path()
 
 
@@ -46,6 +51,8 @@ class _Keys(BaseModel):
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
     until_s: float | None = Field(default=None, gt=0.0)
     profile: Profile = Field(default=Profile.DEFAULT, strict=False)
+    delays: Delays = Field(default=Delays.REPLAN, strict=False)
+    obstacle_polygons: str = OBSTACLE_POLYGONS
 
 
 class _File(BaseModel):

@@ -20,6 +20,7 @@ _FIGURE_ROWS = (
     ("standstill", "standstill_s", "s"),
     ("off the road", "off_road_s", "s"),
     ("emergencies", "emergencies", ""),
+    ("steps without the pilot", "pilot_free_share", "%"),
 )
 
 
@@ -69,6 +70,8 @@ def _override_rows(result: TrialResult) -> list[Row]:
 def _text(value: float | int | None, unit: str) -> str:
     if value is None:
         return "none"
+    if unit == "%":
+        value = round(100.0 * value)
     number = str(value) if isinstance(value, int) else f"{value:.2f}"
     return f"{number} {unit}".rstrip()
 

@@ -34,13 +34,16 @@ COLUMNS = {
     "leader": "leader",
     "gap": "gap_m",
     "behaviour": "behaviour",
+    "instruction": "instruction",
+    "pilot": "pilot",
     "emergency": "emergency",
     "light": "light",
     "control_us": "control_us",
 }
 """Column of each field of `StepRecord`; decisions have a file of their own."""
 
-_TYPES: dict[str, type] = {"lane_id": object, "leader": object, "behaviour": object, "light": object, "emergency": np.bool_}
+_FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "behaviour", "instruction", "light")
+_TYPES: dict[str, type] = dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
 
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:

@@ -23,18 +23,26 @@ from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.session import Progress, Session, is_road_car, sumo_version, type_of
+from sumo_reactive.world.road_graph import RoadGraph
 
 Observer = Callable[[Scene], None]
+Survey = Callable[[RoadGraph], None]
 
 EGO = "ego"
 """Without an ego's id, a vehicle or type of this name is driven."""
 
 
-def run_trial(scenario: Scenario, *, observer: Observer | None = None, progress: Progress | None = None) -> TrialResult:
+def run_trial(
+    scenario: Scenario,
+    *,
+    observer: Observer | None = None,
+    progress: Progress | None = None,
+    survey: Survey | None = None,
+) -> TrialResult:
     """Run the scenario in this process until the ego has arrived; return the judged result.
 
-    `observer` gets every scene, `progress` simulation time (s) and a text. Raises ScenarioError or NetworkError for what
-    cannot be run, SimulationError if SUMO fails on the way.
+    `observer` gets every scene, `progress` simulation time (s) and a text, `survey` the world, once at the end. Raises
+    ScenarioError or NetworkError for what cannot be run, SimulationError if SUMO fails on the way.
     """
     config = read_config(scenario.config)
     step_length = chosen_step_length(config, scenario.step_length_s)
@@ -48,6 +56,8 @@ def run_trial(scenario: Scenario, *, observer: Observer | None = None, progress:
             begin = session.time
             ego_id, chosen = _find_ego(session, scenario, config, progress)
             trip, jury, ended = _drive(session, ego_id, net, scenario, observer, progress)
+            if survey is not None:
+                survey(trip.graph)
             if scenario.until_end:
                 if not trip.arrived:
                     trip.ego.release()
@@ -59,7 +69,8 @@ def _drive(
     session: Session, ego_id: str, net: NetFile, scenario: Scenario, observer: Observer | None, progress: Progress | None
 ) -> tuple[Trip, Jury, str]:
     """Drive the ego; return the trip, the jury that watched it, and why it ended."""
-    trip, first_time = Trip(session, ego_id, net, scenario.profile), not is_cached()
+    trip = Trip(session, ego_id, net, scenario.profile, scenario.delays, scenario.obstacle_polygons)
+    first_time = not is_cached()
     limits = trip.ego.limits
     jury = Jury(limits.length, limits.width, limits.wheelbase, trip.graph)
     for scene in trip.scenes():

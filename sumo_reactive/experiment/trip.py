@@ -6,13 +6,16 @@ import gc
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
-from sumo_reactive.messages.plan import LaneSegment, NominalPlan
+from sumo_reactive.messages.completed_plan import Replanning
+from sumo_reactive.messages.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import Traffic
 from sumo_reactive.parameters import OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
-from sumo_reactive.pilot.behaviours.cautious import letter_of
+from sumo_reactive.pilot.lights import letter_of
+from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.lane_choice import choose_lanes
 from sumo_reactive.planner.planner import PlanStart, plan
 from sumo_reactive.sumo.ego import Ego
@@ -21,7 +24,7 @@ from sumo_reactive.sumo.net_reader import NetFile
 from sumo_reactive.sumo.observer import Observer
 from sumo_reactive.sumo.route_window import RouteWindow
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.straddling import lane_to_haunt
+from sumo_reactive.sumo.straddling import haunt
 from sumo_reactive.sumo.units import front_of
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -29,7 +32,9 @@ from sumo_reactive.world.road_graph import RoadGraph
 class Trip:
     """The ego from take-over to arrival; `scenes` yields one scene after each simulation step."""
 
-    def __init__(self, session: Session, ego_id: str, net: NetFile, profile: Profile) -> None:
+    def __init__(
+        self, session: Session, ego_id: str, net: NetFile, profile: Profile, delays: Delays, obstacles: str
+    ) -> None:
         self.ego = Ego(ego_id)
         self.arrived = False
         self.departure = self.end = session.time
@@ -42,8 +47,8 @@ class Trip:
         self._route = self.ego.route
         graph = net.build(self._route.edges)
         self._choice = choose_lanes(graph, self._route, self.ego.vehicle_class)
-        self._controller = Controller(graph, self.ego.limits, profile)
-        self._observer = Observer(ego_id)
+        self._controller = Controller(graph, self.ego.limits, profile, delays, self.ego.vehicle_class)
+        self._observer = Observer(ego_id, obstacles)
         self.ghosts = Ghosts(ego_id)
         self._window = RouteWindow(ego_id, self._route.edges, net.end_of)
         state = self.ego.take_over(session.step_length)
@@ -52,7 +57,7 @@ class Trip:
             state.pose, state.speed, 0.0, session.time,
             lane_id, self.ego.lane_position(graph, lane_id), 0, self.ego.speed_factor,
         )  # fmt: skip
-        self._drive = Drive(state, self._plan(start, 0), 0.0)
+        self._drive = Drive(state, self._plan(start), 0.0)
 
     def scenes(self) -> Iterator[Scene]:
         """Drive step by step until the ego arrives or stands for ever."""
@@ -96,7 +101,8 @@ class Trip:
 
     def _observe(self) -> Traffic:
         drive = self._drive
-        return self._observer.observe(self.graph, drive.plan, self._front(drive), drive.ego.speed)
+        sight = drive.completed.sight if drive.completed else 0.0
+        return self._observer.observe(self.graph, drive.plan, self._front(drive), drive.ego.speed, sight)
 
     def _front(self, drive: Drive) -> float:
         return drive.s + self.ego.limits.front_overhang
@@ -106,22 +112,27 @@ class Trip:
         drive, graph = step.drive, self._controller.graph
         here = _segment(drive.plan, self._front(drive))
         self._window.follow(here.route_index)
-        self.ego.place(drive.ego, step.completed.intent, self.step_length, graph.lanes[here.lane_id])
-        x, y = front_of(drive.ego.pose, self.ego.limits)
-        lane = lane_to_haunt(graph, drive.plan, here.lane_id, x, y, drive.s, self.ego.limits)
-        if lane is None:
+        lane = graph.lanes[here.lane_id] if drive.plan.aside is None else None
+        self.ego.place(drive.ego, step.completed.intent, self.step_length, lane)
+        edges = self._route.edges[here.route_index :]
+        shown = haunt(graph, drive.plan, here, drive.ego, drive.s, self.ego.limits, edges)
+        if shown is None:
             self.ghosts.hide()
         else:
-            self.ghosts.show(lane, x, y, drive.ego.speed, self._route.edges[here.route_index :])
+            self.ghosts.show(*shown)
 
     def _planned(self, step: Step) -> Drive:
-        """Return the drive, on a new plan where a lane change begins, C runs out or the ego has left it."""
-        drive, plan_now = step.drive, step.drive.plan
+        """Return the drive, on a new plan where the pilot asks for one, C runs out or the ego has left it."""
+        drive, plan_now, asked = step.drive, step.drive.plan, step.completed.request
+        wanted = asked.what is Replanning.CURVE
         runs_out = plan_now.goal is None and plan_now.curve.length - drive.s < PLAN_RESERVE_M
-        if not step.completed.change_lane and not runs_out and abs(step.snapshot.d) < OFF_CURVE_M:
+        if not wanted and not runs_out and abs(step.snapshot.d) < OFF_CURVE_M:
             return drive
+        aside = asked.aside if wanted else plan_now.aside
+        if aside is not None:
+            aside = replace(aside, back=aside.back - drive.s, until=aside.until - drive.s)
         start = self._start(drive, self._front(drive))
-        return replanned(drive, self._plan(start, step.completed.change_lane))
+        return replanned(drive, self._plan(start, asked.change_lane, aside), self._session.time)
 
     def _start(self, drive: Drive, front: float) -> PlanStart:
         here = _segment(drive.plan, front)
@@ -132,9 +143,12 @@ class Trip:
             here.lane_id, position, here.route_index, self.ego.speed_factor,
         )  # fmt: skip
 
-    def _plan(self, start: PlanStart, change_now: int) -> NominalPlan:
+    def _plan(self, start: PlanStart, change_now: int = 0, aside: Aside | None = None) -> NominalPlan:
         graph, ego = self._controller.graph, self.ego
-        return plan(graph, self._route, ego.vehicle_class, ego.limits, start, change_now=change_now, choice=self._choice)
+        return plan(
+            graph, self._route, ego.vehicle_class, ego.limits, start,
+            change_now=change_now, aside=aside, choice=self._choice,
+        )  # fmt: skip
 
     def _has_arrived(self) -> bool:
         goal = self._drive.plan.goal
@@ -149,7 +163,7 @@ class Trip:
     def _record(self, step: Step, lane_id: str, light: str, control_us: float) -> StepRecord:
         drive, execution, completed = step.drive, step.execution, step.completed
         x, y = front_of(drive.ego.pose, self.ego.limits)
-        leader = min(completed.leaders, key=lambda one: one.s, default=None)
+        leader = min(step.snapshot.leaders, key=lambda one: one.s, default=None)
         return StepRecord(
             time=self._session.time,
             x=x,
@@ -172,10 +186,15 @@ class Trip:
             leader=leader.user_id if leader else "",
             gap=leader.s - step.snapshot.front if leader else float("nan"),
             behaviour=completed.behaviour.value,
+            instruction=completed.instruction.value,
+            pilot=bool(completed.events),
             emergency=execution.emergency,
             light=light,
             control_us=control_us,
             decisions=completed.decisions,
+            events=completed.events,
+            assessment=completed.assessment,
+            regions=completed.regions,
         )
 
     def _light_crossed(self, step: Step) -> str:
@@ -200,8 +219,9 @@ def _world_kept() -> Iterator[None]:
 
 def _reason(step: Step) -> str:
     """Say in a few words why the ego stands."""
-    reasons = [f"{d.reason.value} ({d.cause})" if d.cause else d.reason.value for d in step.completed.decisions]
-    reasons += [f"behind {leader.user_id}" for leader in step.completed.leaders[:1]]
+    said = [d for d in step.completed.decisions if not d.passes]
+    reasons = [f"{d.reason.value} by {d.cause}" if d.cause else d.reason.value for d in said]
+    reasons += [f"behind {leader.user_id}" for leader in step.snapshot.leaders[:1]]
     return "; ".join(reasons) or "for no reason"
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.polyline import Points
 
 
@@ -75,3 +76,23 @@ def _distance_to_outline(points: Points, outline: Points) -> float:
     t = np.clip((offset * side).sum(axis=2) / (side**2).sum(axis=1), 0.0, 1.0)
     away = offset - t[:, :, None] * side
     return float(np.sqrt((away**2).sum(axis=2).min()))
+
+
+@kernel
+def boxes_overlap(
+    ax: float, ay: float, ah: float, al: float, aw: float, bx: float, by: float, bh: float, bl: float, bw: float
+) -> bool:
+    """Whether two boxes (centre x, y, heading, length, width) overlap: separating axes, exact."""
+    dx, dy = bx - ax, by - ay
+    reach = 0.5 * (math.hypot(al, aw) + math.hypot(bl, bw))
+    if dx * dx + dy * dy > reach * reach:
+        return False
+    ca, sa, cb, sb = math.cos(ah), math.sin(ah), math.cos(bh), math.sin(bh)
+    c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)
+    if abs(dx * ca + dy * sa) >= 0.5 * (al + bl * c + bw * s):
+        return False
+    if abs(dy * ca - dx * sa) >= 0.5 * (aw + bl * s + bw * c):
+        return False
+    if abs(dx * cb + dy * sb) >= 0.5 * (bl + al * c + aw * s):
+        return False
+    return abs(dy * cb - dx * sb) < 0.5 * (bw + al * s + aw * c)

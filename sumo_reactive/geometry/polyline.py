@@ -62,11 +62,12 @@ class Polyline:
         s = self.arc_lengths[i] + t[i] * math.sqrt(squared[i])
         return float(s), math.copysign(math.hypot(*away[i]), side)
 
-    def offset_start(self, s: float) -> Polyline:
-        """Return the part from arc length `s` (clamped below the end) to the end."""
-        s = min(max(s, 0.0), self.length - 1e-6)
-        k = int(np.searchsorted(self.arc_lengths, s, side="right"))
-        return Polyline(np.vstack([self.at(s), self.points[k:]]))
+
+def moved_aside(line: Points, lateral: NDArray[np.float64]) -> Points:
+    """Return `line` (n, 2) moved to its left by `lateral` (n,), m."""
+    along = np.gradient(line, axis=0)
+    along /= np.maximum(np.hypot(*along.T), 1e-9)[:, None]
+    return np.asarray(line + lateral[:, None] * np.column_stack([-along[:, 1], along[:, 0]]))
 
 
 def joined(parts: list[Points]) -> Points:

@@ -1,12 +1,15 @@
-"""The completed plan P⁺ = P with adjusted time constraints and symbolic instructions (F&L 1991, §1.3)."""
+"""The completed plan P⁺ = P with adjusted time constraints and a symbolic instruction (F&L 1991, §1.3)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from enum import Enum
 
-from sumo_reactive.messages.decision import Behaviour, Decision, Leader, StopAt
-from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
+from sumo_reactive.messages.assessment import NOT_ASSESSED, Assessment
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, RegionState, StopAt
+from sumo_reactive.messages.event import Event
+from sumo_reactive.messages.plan import Aside, NominalPlan, TimeConstraint
 
 
 class Intent(Enum):
@@ -27,21 +30,76 @@ class Weights:
 
 
 @dataclass(frozen=True, slots=True)
+class VelocityProfile:
+    """Accelerate–cruise–decelerate over d₂ (F&L 1991, §3.3.3), as shares of the vehicle's comfortable values.
+
+    `headway`: share of the driver's time headway that is kept to leaders; `top_speed` (m/s) is not exceeded.
+    """
+
+    acceleration: float = 1.0
+    deceleration: float = 1.0
+    headway: float = 1.0
+    top_speed: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """What an instruction changes in the executor: the weights of U and the way v_d is set (F&L 1991, §3.2)."""
+
+    weights: Weights
+    profile: VelocityProfile = VelocityProfile()
+    wide_grid: bool = False
+
+
+class Replanning(Enum):
+    """What the pilot asks of the planner."""
+
+    NOTHING = "nothing"
+    CURVE = "a curve from where the ego is"
+    TIMES = "time constraints that recover the delay"
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the pilot asks of the planner, once. A new curve begins a lane change (`change_lane` +1 left, −1 right, 0 none)
+    or leads `aside`, its places in m of the present C."""
+
+    what: Replanning = Replanning.NOTHING
+    change_lane: int = 0
+    aside: Aside | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class CompletedPlan:
     """P⁺: what the executor tracks until the pilot says otherwise.
 
-    `target` is the next (l, t_l); `stop` the nearest place to stop at; `leaders` every vehicle to stay behind;
-    `change_lane` asks the planner for a curve that begins the change now (+1 left, −1 right, 0 none); `slot` is the
-    vehicle on the other lane to fall in behind, which bounds the desired speed but no safety.
+    `time_constraints` are the adjusted (l, t_l) ahead; `stop` the nearest place to stop at; `slot` the vehicle on the
+    other lane to fall in behind, which bounds the desired speed but no safety; `sight` (m) asks perception to look so far
+    ahead along the oncoming lane. `events` activated the pilot, `assessment` is what it foresaw, `regions` the conflict
+    regions on the way: all as of its last activation.
     """
 
     plan: NominalPlan
     behaviour: Behaviour
-    target: TimeConstraint
+    instruction: Instruction
+    tuning: Tuning
+    time_constraints: tuple[TimeConstraint, ...]
     stop: StopAt | None
-    leaders: tuple[Leader, ...]
-    weights: Weights
     intent: Intent
     decisions: tuple[Decision, ...]
-    change_lane: int = 0
-    slot: Leader | None = None
+    slot: str = ""
+    request: Request = Request()
+    sight: float = 0.0
+    assessment: Assessment = NOT_ASSESSED
+    events: tuple[Event, ...] = ()
+    regions: tuple[RegionState, ...] = ()
+
+    def held(self) -> CompletedPlan:
+        """Return the plan as it stays in force until the next event: what it asked for once is not asked again."""
+        return replace(self, request=Request(), events=())
+
+    def after(self, before: CompletedPlan) -> CompletedPlan:
+        """Return the plan with the events and the request for a curve of the one `before` it in the same step."""
+        asks = self.request.what is Replanning.CURVE or before.request.what is not Replanning.CURVE
+        request = self.request if asks else before.request
+        return replace(self, request=request, events=(*before.events, *self.events))

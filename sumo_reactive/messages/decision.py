@@ -11,8 +11,23 @@ class Behaviour(Enum):
 
     NORMAL = "normal driving"
     CAUTIOUS = "cautious driving"
+    OVERTAKING = "overtaking"
     STOPPING = "stopping at a location"
     CROSSING = "crossing an intersection"
+
+
+class Instruction(Enum):
+    """The symbolic instructions to the executor, part of P⁺ (F&L 1991, §1.3)."""
+
+    FOLLOW_CURVE = "follow C"
+    APPROACH = "approach, ready to stop"
+    STOP = "stop at the place named"
+    CROSS = "cross without stopping"
+    OVERTAKE = "pull out and pass"
+    RETURN = "return to C"
+    FALL_BACK = "fall back and return to C"
+    BACK_UP = "back up at walking speed"
+    WIDEN = "search more commands"
 
 
 class Reason(Enum):
@@ -30,7 +45,11 @@ class Reason(Enum):
     EXIT_BLOCKED = "there is no room behind the region"
     SCHEDULED_STOP = "the route has a stop here"
     NO_GAP = "no gap on the lane that the route needs"
-    BLOCKED = "something stands on the path"
+    BLOCKED = "the way is blocked"
+    SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"
+    GAP_LOST = "the gap to pass is lost"
+    NO_ROOM_TO_PASS = "somebody ahead is slow or has halted, and there is no gap to pass"
+    NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,16 +60,6 @@ class StopAt:
     reason: Reason
     region: str = ""
     cause: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Leader:
-    """A vehicle to follow: its rear bumper at arc length `s` of C (m), `speed` along C (m/s), hardest braking (m/s²)."""
-
-    user_id: str
-    s: float
-    speed: float
-    deceleration: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,3 +75,21 @@ class Decision:
     cause: str = ""
     passes: bool = False
     figures: tuple[tuple[str, float], ...] = ()
+
+
+class Occupancy(Enum):
+    """The state of a conflict region for the ego: one vehicle at a time (F&L 1991, §2)."""
+
+    FREE = "free"
+    CLAIMED = "claimed by another"
+    OCCUPIED = "occupied"
+    OWN = "held by the ego"
+
+
+@dataclass(frozen=True, slots=True)
+class RegionState:
+    """Conflict region `region` on the ego's way, and by whom it is claimed or occupied."""
+
+    region: str
+    occupancy: Occupancy
+    user_id: str = ""

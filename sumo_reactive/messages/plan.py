@@ -76,12 +76,31 @@ class PlannedStop:
     stop: ScheduledStop
 
 
+@dataclass(frozen=True, slots=True)
+class Aside:
+    """C runs `lateral` m beside the lane's centre (left positive) to pass `user_id`; from arc length `back` (m) on it
+    returns, and at `until` it has."""
+
+    user_id: str
+    lateral: float
+    back: float
+    until: float
+
+
+def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return how far (n,), m, C runs beside the lane's centre at arc lengths `s` (n,): a quintic leads it back."""
+    t = np.clip((s - aside.back) / max(aside.until - aside.back, 0.1), 0.0, 1.0)
+    return np.asarray(aside.lateral * (1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t**2)))
+
+
 @dataclass(frozen=True, eq=False)
 class NominalPlan:
     """P = (C, {(l, t_l)}) with what the map says along C.
 
     `speed_limits` (n,) is the envelope of lane limits, curvature and deceleration at each sample of C, m/s. `goal` is the
-    arc length where the front bumper has arrived, or None when the plan ends before the route does.
+    arc length where the front bumper has arrived, or None when the plan ends before the route does. `times` (n,) is when
+    the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
+    planned. `aside`: C leaves the lane's centre to pass somebody.
     """
 
     curve: Curve
@@ -92,3 +111,21 @@ class NominalPlan:
     speed_limits: NDArray[np.float64]
     time_constraints: tuple[TimeConstraint, ...]
     goal: float | None
+    times: NDArray[np.float64]
+    joins: float = 0.0
+    aside: Aside | None = None
+
+    def delay(self, s: float, time: float) -> float:
+        """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""
+        samples = min(max(s / self.curve.step, 0.0), len(self.times) - 1.0)
+        i = min(int(samples), len(self.times) - 2)
+        return float(time - self.times[i] - (samples - i) * (self.times[i + 1] - self.times[i]))
+
+    def nominal_speed(self, s: float) -> float:
+        """The speed on schedule with the front axle at arc length `s`, m/s."""
+        i = min(max(int(s / self.curve.step), 0), len(self.times) - 2)
+        return float(self.curve.step / max(self.times[i + 1] - self.times[i], 1e-3))
+
+    def road_speed(self, s: float) -> float:
+        """The highest speed that road and curve allow with the front axle at arc length `s`, m/s."""
+        return float(self.speed_limits[min(max(int(s / self.curve.step), 0), len(self.speed_limits) - 1)])

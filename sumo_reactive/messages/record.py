@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sumo_reactive.messages.decision import Decision
+from sumo_reactive.messages.assessment import NOT_ASSESSED, Assessment
+from sumo_reactive.messages.decision import Decision, RegionState
+from sumo_reactive.messages.event import Event
 from sumo_reactive.messages.traffic import RoadUser
 
 
@@ -15,7 +17,8 @@ class StepRecord(NamedTuple):
     stop (m on C, NaN: none). `u`, `u1`, `u2`, `u3`: potential and its terms for the chosen command. `leader`, `gap`: the
     vehicle that limits the ego and its distance (m, NaN: none). `control_us`: time of the control step. `lane_id` is
     where SUMO maps the ego (empty: nowhere). `light`: letter that applied to
-    the stop line crossed in this step (empty: none crossed).
+    the stop line crossed in this step (empty: none crossed). `pilot`: whether `events` activated the pilot in this step;
+    `decisions`, `assessment` and `regions` are those of its last activation.
     """
 
     time: float
@@ -39,10 +42,15 @@ class StepRecord(NamedTuple):
     leader: str
     gap: float
     behaviour: str
+    instruction: str
+    pilot: bool
     emergency: bool
     light: str
     control_us: float
     decisions: tuple[Decision, ...]
+    events: tuple[Event, ...] = ()
+    assessment: Assessment = NOT_ASSESSED
+    regions: tuple[RegionState, ...] = ()
 
 
 class Scene(NamedTuple):

@@ -61,11 +61,21 @@ class Neighbour(NamedTuple):
     ahead: float
 
 
+class Leader(NamedTuple):
+    """A body to stay behind: its rear at arc length `s` of C (m), `speed` along C (m/s), hardest braking (m/s²)."""
+
+    user_id: str
+    s: float
+    speed: float
+    deceleration: float
+
+
 class Snapshot(NamedTuple):
     """The ego and its surroundings at `time`.
 
     `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 6): x, y, heading, speed, length,
-    width of every user near (front bumper centre). `static` (k, 2): points of O_S, m. `lights`: letters by light id.
+    width of every user near (front bumper centre). `static` (k, 2): points of O_S, m. `leaders`: all of `on_path` that the
+    ego must stay behind. `lights`: letters by light id.
     """
 
     time: float
@@ -76,6 +86,7 @@ class Snapshot(NamedTuple):
     boxes: NDArray[np.float64]
     static: NDArray[np.float64]
     on_path: tuple[PathObstacle, ...]
+    leaders: tuple[Leader, ...]
     foes: tuple[Foe, ...]
     neighbours: tuple[Neighbour, ...]
     lights: Mapping[str, str]

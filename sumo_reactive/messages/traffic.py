@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+NO_POINTS: NDArray[np.float64] = np.empty((0, 2))
+"""No static obstacle."""
 
 
 class Body(NamedTuple):
@@ -22,7 +28,8 @@ class RoadUser(NamedTuple):
 
     `x`, `y` is the centre of the front bumper (m), `heading` in rad, `speed` in m/s, `lane_position` the front's arc
     length on the spine of `lane_id` (m). `route` holds the edges still to drive, the present one first (empty: unknown).
-    `waiting_time` is how long it has been standing, s.
+    `waiting_time` is how long it has been standing, s. `is_halted`: it visibly stays where it is (parked, broken down, at a
+    bus stop).
     """
 
     id: str
@@ -35,12 +42,19 @@ class RoadUser(NamedTuple):
     body: Body
     route: tuple[str, ...] = ()
     waiting_time: float = 0.0
+    is_halted: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Traffic:
-    """All that is seen at `time` (s): the others, and the letters of each traffic light by its id."""
+    """All that is seen at `time` (s): the others, and the letters of each traffic light by its id.
+
+    `sight` (m): how far ahead the oncoming lane was looked at. `static` (k, 2): points, m, of what stands near for good,
+    roads' borders apart, which the map tells.
+    """
 
     time: float
     users: tuple[RoadUser, ...]
     lights: Mapping[str, str]
+    sight: float = 0.0
+    static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from sumo_reactive.messages.plan import LaneChange, NominalPlan, Passage
+from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Conflict
 from sumo_reactive.parameters import (
     ATTENTION_BEHIND_M,
@@ -144,23 +144,19 @@ def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
     return next((change for change in plan.lane_changes if change.end > front), None)
 
 
-def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float) -> tuple[str, ...]:
-    """Return the ids of the lanes whose users matter now, each once."""
+def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float = 0.0) -> tuple[str, ...]:
+    """Return the ids of the lanes whose users matter now, each once; `sight` (m): how far to look at the own road."""
     lanes: dict[str, None] = {}
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     for segment in plan.segments:
-        if segment.start <= reach and segment.end >= front - ATTENTION_BEHIND_M:
+        if segment.start <= max(reach, front + sight) and segment.end >= front - ATTENTION_BEHIND_M:
             lanes.update(dict.fromkeys(_edge_lanes(graph, segment.lane_id)))
     for i in in_sight(plan, front, speed):
-        lanes.update(dict.fromkeys(lanes_around(graph, _connection(plan.passages[i]))))
+        lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
     change = next_change(plan, front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
         lanes.update(dict.fromkeys(lane_axis(graph, change.to_lane)))
     return tuple(lanes)
-
-
-def _connection(passage: Passage) -> str:
-    return passage.connection_id
 
 
 def _edge_lanes(graph: RoadGraph, lane_id: str) -> Iterator[str]:

@@ -22,28 +22,35 @@ from sumo_reactive.parameters import (
 )
 from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, next_change, watches_of
 from sumo_reactive.perception.corridor import blocked_stretches, near_boxes
+from sumo_reactive.perception.leaders import leaders
+from sumo_reactive.perception.static import static_near
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
 
 Array = NDArray[np.float64]
 
-NOTHING_STATIC: Array = np.empty((0, 2))
 _NO_BOXES: Array = np.empty((0, 6))
+
+
+def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
+    """Return control point F, the front axle's middle (m)."""
+    p = ego.pose
+    return p.x + limits.wheelbase * math.cos(p.heading), p.y + limits.wheelbase * math.sin(p.heading)
 
 
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
     """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
-    p, curve = ego.pose, plan.curve
-    x, y = p.x + limits.wheelbase * math.cos(p.heading), p.y + limits.wheelbase * math.sin(p.heading)
+    curve, (x, y) = plan.curve, front_axle(ego, limits)
     return project_on_curve(x, y, curve.x, curve.y, curve.step, s_before, PROJECTION_WINDOW_M)
 
 
 def perceive(
-    traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float
-) -> Snapshot:
+    traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float,
+    vehicle_class: str = "passenger",
+) -> Snapshot:  # fmt: skip
     """Relate `traffic` to the plan: who stands in the corridor, who can reach which region, who drives beside.
 
-    `s_before` is the ego's last known arc length on C (m).
+    `s_before` is the ego's last known arc length on C (m); its `vehicle_class` tells what is open to it.
     """
     s, d = locate(ego, plan, limits, s_before)
     front = s + limits.front_overhang
@@ -53,7 +60,9 @@ def perceive(
     foes = tuple(_foes(traffic.users, plan, graph, sight)) if sight else ()
     neighbours = tuple(_neighbours(traffic.users, plan, graph, ego, limits, front))
     near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
-    return Snapshot(traffic.time, ego, s, d, front, near, NOTHING_STATIC, on_path, foes, neighbours, traffic.lights)
+    static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
+    behind = tuple(leaders(on_path, front, ego.speed, limits))
+    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, traffic.lights)
 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sumo_reactive.messages.decision import Leader, Reason, StopAt
+from sumo_reactive.messages.decision import Reason, StopAt
 from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Neighbour, Snapshot
 from sumo_reactive.parameters import (
@@ -32,35 +32,38 @@ class LaneChanging(NamedTuple):
 
     side: int = 0
     stop: StopAt | None = None
-    slot: Leader | None = None
+    slot: str = ""
+
+
+def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
+    """Return the next lane change if it is time to seek a gap for it."""
+    change = next((c for c in plan.lane_changes if c.end > snapshot.front), None)
+    if change is None or change.start <= snapshot.s or change.opens > snapshot.front:
+        return None
+    return change if change.start - snapshot.front <= _horizon(snapshot) else None
+
+
+def _horizon(snapshot: Snapshot) -> float:
+    return max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * snapshot.ego.speed)
 
 
 def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> LaneChanging:
     """Begin the change that the route needs as soon as a gap allows; without one, stop where C would begin it."""
-    change = next((c for c in plan.lane_changes if c.end > snapshot.front), None)
-    if change is None or change.start <= snapshot.s or change.opens > snapshot.front:
+    change = pending(snapshot, plan)
+    if change is None:
         return LaneChanging()
-    speed = snapshot.ego.speed
-    left = change.start - snapshot.front
-    horizon = max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * speed)
-    if left > horizon:
-        return LaneChanging()
-    urgency = min(1.0, max(0.0, 1.0 - left / horizon))
+    urgency = min(1.0, max(0.0, 1.0 - (change.start - snapshot.front) / _horizon(snapshot)))
     blocker = _blocker(snapshot, limits, urgency)
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
     stop = StopAt(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
-    return LaneChanging(stop=stop, slot=_slot(snapshot, limits))
+    return LaneChanging(stop=stop, slot=_slot(snapshot))
 
 
-def _slot(snapshot: Snapshot, limits: VehicleLimits) -> Leader | None:
+def _slot(snapshot: Snapshot) -> str:
     """Return the vehicle on the other lane that the ego will follow: the nearest whose front is ahead of its own."""
     ahead = [n for n in snapshot.neighbours if n.ahead >= 0.0]
-    if not ahead:
-        return None
-    nearest = min(ahead, key=lambda n: n.ahead)
-    rear = snapshot.front + nearest.ahead - nearest.user.body.length + limits.standstill_gap
-    return Leader(nearest.user.id, rear, nearest.user.speed, nearest.user.body.emergency_deceleration)
+    return min(ahead, key=lambda n: n.ahead).user.id if ahead else ""
 
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 
+from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.parameters import YELLOW_DECELERATION
+from sumo_reactive.world.junction import Connection
 
 
 class Signal(Enum):
@@ -15,6 +17,15 @@ class Signal(Enum):
     STOP_ON_YELLOW = "stop, the light is yellow"
     STOP = "stop"
     STOP_THEN_GO = "stop fully, then yield and go"
+
+
+def letter_of(connection: Connection, snapshot: Snapshot) -> str:
+    """Return the light's letter for a connection, empty when no light speaks."""
+    link = connection.light
+    if link is None:
+        return ""
+    letters = snapshot.lights.get(link.light_id, "")
+    return letters[link.index] if link.index < len(letters) else ""
 
 
 def signal(letter: str, to_line: float, speed: float, hardest: float) -> Signal:

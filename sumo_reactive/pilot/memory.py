@@ -2,20 +2,66 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
+from sumo_reactive.messages.decision import Behaviour, Instruction
+from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
 from sumo_reactive.world.route import ScheduledStop
+
+
+class Premises(NamedTuple):
+    """What the pilot took for granted when it last decided, at `time` (s), on `plan`; what differs from it is an event.
+
+    `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `foes`: ids of those that
+    could reach each region. `stages`: how far the ego had come in each passage in sight. `is_seeking`: it sought a
+    gap for a lane change. `trusted_until` (s): how long
+    the forecast of the others holds.
+    """
+
+    plan: NominalPlan
+    time: float
+    lights: Mapping[str, str]
+    speeds: Mapping[str, float]
+    foes: frozenset[tuple[str, str]]
+    stages: tuple[tuple[int, ...], ...]
+    is_standing: bool
+    is_off_nominal: bool
+    is_seeking: bool
+    trusted_until: float
+
+
+class Overtaking(NamedTuple):
+    """An overtaking under way: who is passed, since when (s), and what the ego is about: OVERTAKE, RETURN or FALL_BACK."""
+
+    user_id: str
+    since: float
+    instruction: Instruction
 
 
 class PilotMemory(NamedTuple):
     """Since when the ego stands (s; None: it moves), at which connection's line it has come to a full stop and when (s),
-    which scheduled stops it has served, and until when it serves the present one (s; None: it serves none)."""
+    which scheduled stops it has served, and until when it serves the present one (s; None: it serves none).
+
+    `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `constraints` the adjusted
+    (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
+    place where the ego got on; `escapes`: how many it has tried there.
+    """
 
     standing_since: float | None = None
     stopped_at: str = ""
     stopped_since: float = 0.0
     served: tuple[ScheduledStop, ...] = ()
     serving_until: float | None = None
+    behaviour: Behaviour = Behaviour.NORMAL
+    premises: Premises | None = None
+    overtaking: Overtaking | None = None
+    constraints: tuple[TimeConstraint, ...] = ()
+    delay: float = 0.0
+    progress_s: float = -math.inf
+    progress_time: float = 0.0
+    escapes: int = 0
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

@@ -1,115 +1,211 @@
-"""The pilot: one look at the snapshot, one completed plan (F&L 1991, §2)."""
+"""The pilot: activated by events, it assesses the plan and completes it anew (F&L 1991, §2)."""
 
 from __future__ import annotations
 
-from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Weights
-from sumo_reactive.messages.decision import Behaviour, Decision, Reason, StopAt
-from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
-from sumo_reactive.messages.snapshot import Conflict, Snapshot
-from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, STANDING_SPEED
-from sumo_reactive.pilot.behaviours import cautious, crossing, normal, stopping
-from sumo_reactive.pilot.behaviours.crossing import Crossing
-from sumo_reactive.pilot.lane_changing import seek_gap
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+from sumo_reactive.messages.assessment import Assessment
+from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason, StopAt
+from sumo_reactive.messages.event import Event, EventKind
+from sumo_reactive.messages.forecast import Outlook
+from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.parameters import OVERTAKING_SIGHT_M, PROGRESS_M, STANDING_SPEED
+from sumo_reactive.pilot.assessment import assess
+from sumo_reactive.pilot.behaviours import overtaking
+from sumo_reactive.pilot.escape import escape, room_behind
+from sumo_reactive.pilot.events import premises_of
+from sumo_reactive.pilot.highway_code import Rules, ask, decision_of, nearest
+from sumo_reactive.pilot.instructions import PAPER_TUNINGS, TUNINGS
+from sumo_reactive.pilot.lane_changing import LaneChanging, seek_gap
 from sumo_reactive.pilot.memory import PilotMemory
+from sumo_reactive.pilot.passages import Ahead, crossings
+from sumo_reactive.pilot.schedule import Delays, adjusted
+from sumo_reactive.pilot.situation import Situation
+from sumo_reactive.pilot.transitions import RULES, next_behaviour
 from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.junction import Connection
 
-_WEIGHTS: dict[Behaviour, Weights] = {
-    Behaviour.NORMAL: normal.WEIGHTS,
-    Behaviour.CAUTIOUS: cautious.WEIGHTS,
-    Behaviour.STOPPING: stopping.WEIGHTS,
-    Behaviour.CROSSING: crossing.WEIGHTS,
-}
+_UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
+"""Stops that no assessment can put off."""
 
-Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
-"""The passages in sight: index in the plan, connection, conflicts."""
+
+class Style(NamedTuple):
+    """How the pilot works: the paper's coefficients or the default ones, and what becomes of delays."""
+
+    paper: bool = False
+    delays: Delays = Delays.REPLAN
+
+
+class Orders(NamedTuple):
+    """What the pilot orders: instruction, stop, what it asks of the planner, why; the memory of it; a speed not to exceed
+    (m/s)."""
+
+    instruction: Instruction
+    stop: StopAt | None
+    request: Request
+    decisions: tuple[Decision, ...]
+    memory: PilotMemory
+    top_speed: float = math.inf
+
+
+def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
+    """Remember, at every step, since when the ego stands and where it last got on."""
+    if snapshot.ego.speed >= STANDING_SPEED:
+        if memory.standing_since is not None:
+            memory = memory._replace(standing_since=None)
+    elif memory.standing_since is None:
+        memory = memory._replace(standing_since=snapshot.time)
+    if abs(snapshot.s - memory.progress_s) > PROGRESS_M:
+        memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, escapes=0)
+    return memory
 
 
 def decide(
-    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory, limits: VehicleLimits
+    snapshot: Snapshot,
+    plan: NominalPlan,
+    ahead: Ahead,
+    outlook: Outlook,
+    events: tuple[Event, ...],
+    memory: PilotMemory,
+    limits: VehicleLimits,
+    style: Style,
 ) -> tuple[CompletedPlan, PilotMemory]:
-    """Complete the plan: whom to follow, where to stop and why, what to tell the others.
+    """Complete the plan because of `events`.
 
-    1. remember standing; 2. leaders; 3. scheduled stop; 4. lane change; 5. each passage: line, regions, exit;
-    6. the nearest stop wins.
+    1. Ask the highway code. 2. Assess: how does the plan end if the ego goes on? 3. Choose the behaviour. 4. Carry out an
+    overtaking or an escape. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
-    memory = _stand(snapshot, memory)
-    ahead_of_ego = tuple(normal.leaders(snapshot, limits))
-    stop, memory = stopping.serve(snapshot, plan, memory)
+    ways = tuple(crossings(snapshot, plan, ahead))
     changing = seek_gap(snapshot, plan, limits)
-    candidates = [(s, _decision(s)) for s in (stop, changing.stop) if s is not None]
-    found = list(crossing.crossings(snapshot, plan, ((i, c) for i, c, _ in ahead)))
-    for way, (_, _, conflicts) in zip(found, ahead, strict=True):
-        waits, memory = _passage(way, conflicts, snapshot, memory, limits)
-        candidates.extend(waits)
-    nearest = min((s for s, _ in candidates), key=lambda s: s.s, default=None)
-    behaviour = _behaviour(snapshot, nearest, found, ahead)
-    completed = CompletedPlan(
-        plan=plan,
-        behaviour=behaviour,
-        target=_target(snapshot, plan),
-        stop=nearest,
-        leaders=ahead_of_ego,
-        slot=changing.slot,
-        weights=_WEIGHTS[behaviour],
-        intent=_intent(snapshot, nearest),
-        decisions=tuple(d for _, d in candidates),
-        change_lane=changing.side,
+    rules, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
+    assessment = _assess(snapshot, plan, outlook, rules, limits)
+    situation = Situation(
+        snapshot, plan, limits, memory, events, ahead, ways, nearest(rules.stops), assessment, outlook
     )
-    return completed, memory
+    situation, rules = _with_room(situation, rules)
+    situation = situation._replace(proof=overtaking.try_out(situation))
+    behaviour = next_behaviour(situation)
+    orders = _ordered(situation, behaviour, rules, changing)
+    orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
+    completed = _completed(situation, behaviour, orders, rules, changing.slot, style)
+    constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
+    if completed.request.what is Replanning.NOTHING:
+        completed = replace(completed, request=Request(asks))
+    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight)
+    memory = memory._replace(behaviour=behaviour, premises=premises_of(snapshot, plan, ahead, watchful))
+    return replace(completed, time_constraints=constraints), memory
 
 
-def _stand(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
-    if snapshot.ego.speed >= STANDING_SPEED:
-        return memory._replace(standing_since=None) if memory.standing_since is not None else memory
-    return memory if memory.standing_since is not None else memory._replace(standing_since=snapshot.time)
+def _assess(
+    snapshot: Snapshot, plan: NominalPlan, outlook: Outlook, rules: Rules, limits: VehicleLimits
+) -> Assessment:
+    """Simulate going on, up to the stops that nothing can put off; who yields by the rules and still can is trusted."""
+    stop = nearest(tuple(one for one in rules.stops if one[0].reason in _UNCONDITIONAL))
+    trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
+    target = next((c for c in plan.time_constraints if c.s > snapshot.front), None)
+    return assess(snapshot, outlook.forecast, plan, stop, target, limits, trusted)
 
 
-def _passage(
-    way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> tuple[list[tuple[StopAt, Decision]], PilotMemory]:
-    """Return the stops that one passage asks for: at its line, before its regions, for want of room behind them."""
-    waits: list[tuple[StopAt, Decision]] = []
-    at_line, memory = cautious.stop_at_line(way.passage, way.connection, snapshot, memory, limits)
-    if at_line is not None:
-        waits.append((at_line, _decision(at_line)))
-    region = crossing.stop_before_region(way, snapshot, memory, limits)
-    if region is not None:
-        waits.append((region[0], _decision(region[0], region[1].figures)))
-    blocker = crossing.exit_is_blocked(way, snapshot, limits, conflicts)
-    if blocker:
-        stop = StopAt(way.passage.start, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
-        waits.append((stop, _decision(stop)))
-    return [w for w in waits if w[0].s >= snapshot.front - limits.front_overhang], memory
+def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
+    """Return both with room kept behind somebody who has halted."""
+    room = None if situation.memory.overtaking is not None else room_behind(situation)
+    if room is None or (situation.stop is not None and situation.stop.s <= room.s):
+        return situation, rules
+    return situation._replace(stop=room), rules._replace(stops=(*rules.stops, (room, decision_of(room))))
 
 
-def _decision(stop: StopAt, figures: tuple[tuple[str, float], ...] = ()) -> Decision:
-    at_location = stop.reason in (Reason.SCHEDULED_STOP, Reason.NO_GAP)
-    behaviour = Behaviour.STOPPING if at_location else Behaviour.CAUTIOUS
-    return Decision(behaviour, stop.reason, stop.region, stop.cause, figures=figures)
+def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing: LaneChanging) -> Orders:
+    """Return the orders that follow from the behaviour alone."""
+    return Orders(
+        instruction=RULES[behaviour].instruction(situation),
+        stop=situation.stop,
+        request=Request(Replanning.CURVE, changing.side) if changing.side else Request(),
+        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_no_room(situation)),
+        memory=situation.memory._replace(overtaking=None),
+    )
 
 
-def _behaviour(snapshot: Snapshot, stop: StopAt | None, ways: list[Crossing], ahead: Ahead) -> Behaviour:
-    if stop is not None and stop.reason is Reason.SCHEDULED_STOP:
-        return Behaviour.STOPPING
-    for way, (_, _, conflicts) in zip(ways, ahead, strict=True):
-        to_line = way.passage.start - snapshot.front
-        if to_line < 0.0 < way.passage.end - snapshot.s and conflicts:
-            return Behaviour.CROSSING
-        if to_line < CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed and (conflicts or way.connection.light):
-            return Behaviour.CAUTIOUS
-    return Behaviour.NORMAL
+def _no_room(situation: Situation) -> tuple[Decision, ...]:
+    """Say why X is not passed, if there is reason to: whom or what the simulated pass met."""
+    x, proof = situation.ahead_of_ego, situation.proof
+    if x is None or proof is None or proof.aside is not None:
+        return ()
+    return (Decision(Behaviour.OVERTAKING, Reason.NO_ROOM_TO_PASS, region=proof.obstacle, cause=x.user.id),)
 
 
-def _target(snapshot: Snapshot, plan: NominalPlan) -> TimeConstraint:
-    for constraint in plan.time_constraints:
-        if constraint.s > snapshot.front:
-            return constraint
-    return TimeConstraint(plan.curve.length, snapshot.time)
+def _passing(situation: Situation, orders: Orders) -> Orders:
+    """Return the orders with those of an overtaking that begins or goes on."""
+    under_way = situation.memory.overtaking
+    step = overtaking.carry_on(situation, under_way) if under_way else overtaking.begin(situation)
+    if step is None:
+        return orders
+    reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_id
+    decision = Decision(Behaviour.OVERTAKING, reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
+    stop = orders.stop
+    return orders._replace(
+        instruction=step.overtaking.instruction,
+        stop=None if stop is not None and stop.reason is Reason.BLOCKED else stop,
+        request=Request(Replanning.CURVE, aside=step.aside) if step.replans else orders.request,
+        decisions=(*(d for d in orders.decisions if d.reason is not Reason.BLOCKED), decision),
+        memory=situation.memory._replace(overtaking=step.overtaking),
+        top_speed=step.top_speed,
+    )
 
 
-def _intent(snapshot: Snapshot, stop: StopAt | None) -> Intent:
-    if stop is None or snapshot.ego.speed >= STANDING_SPEED:
+def _escaping(situation: Situation, orders: Orders) -> Orders:
+    """Return the orders with a way out of a local minimum, if the ego is in one."""
+    way, memory = escape(situation), orders.memory
+    due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    if way is None:
+        return orders._replace(memory=memory._replace(progress_time=situation.snapshot.time)) if due else orders
+    if due:
+        memory = memory._replace(escapes=memory.escapes + 1)
+    return orders._replace(
+        instruction=way.instruction or orders.instruction,
+        stop=way.stop or orders.stop,
+        request=orders.request if orders.request.what is Replanning.CURVE else Request(way.replanning),
+        decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
+        memory=memory,
+    )
+
+
+def _completed(
+    situation: Situation, behaviour: Behaviour, orders: Orders, rules: Rules, slot: str, style: Style
+) -> CompletedPlan:
+    """Return P⁺ with everything but its time constraints."""
+    return CompletedPlan(
+        plan=situation.plan,
+        behaviour=behaviour,
+        instruction=orders.instruction,
+        tuning=_tuning(orders.instruction, style, orders.top_speed),
+        time_constraints=(),
+        stop=orders.stop,
+        intent=_intent(orders.stop),
+        decisions=orders.decisions,
+        slot=slot,
+        request=orders.request,
+        sight=_sight(situation, behaviour),
+        assessment=situation.assessment,
+        events=situation.events,
+        regions=rules.regions,
+    )
+
+
+def _tuning(instruction: Instruction, style: Style, top_speed: float) -> Tuning:
+    tuning = (PAPER_TUNINGS if style.paper else TUNINGS)[instruction]
+    return tuning if top_speed == math.inf else replace(tuning, profile=replace(tuning.profile, top_speed=top_speed))
+
+
+def _sight(situation: Situation, behaviour: Behaviour) -> float:
+    """How far to look along the oncoming lane: far while the ego overtakes, or would if it had the gap."""
+    wants = behaviour is Behaviour.OVERTAKING or (overtaking.follows_x(situation) and overtaking.is_legal(situation))
+    return OVERTAKING_SIGHT_M if wants else 0.0
+
+
+def _intent(stop: StopAt | None) -> Intent:
+    if stop is None:
         return Intent.DRIVE
     return Intent.GO_NEXT if stop.reason is Reason.WAIT_FOR_TURN else Intent.YIELD
-

@@ -9,7 +9,7 @@ import numpy as np
 
 from sumo_reactive.errors import PlanError
 from sumo_reactive.geometry.polyline import Polyline
-from sumo_reactive.messages.plan import LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop
+from sumo_reactive.messages.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop
 from sumo_reactive.messages.state import Pose
 from sumo_reactive.parameters import CURVE_STEP_M, PLAN_HORIZON_M
 from sumo_reactive.planner.lane_choice import LaneChoice, choose_lanes, may_change
@@ -67,18 +67,20 @@ def plan(
     start: PlanStart,
     *,
     change_now: int = 0,
+    aside: Aside | None = None,
     choice: LaneChoice | None = None,
 ) -> NominalPlan:
     """Return the nominal plan from `start` along `route`, at most PLAN_HORIZON_M ahead.
 
-    `change_now` (+1 left, −1 right) begins the change to that neighbour lane at the car's pose. `choice` saves the
-    route's lane outlooks from an earlier call. PlanError names the edges that no lane sequence connects.
+    `change_now` (+1 left, −1 right) begins the change to that neighbour lane at the car's pose; `aside` leads beside the
+    lane's centre, its places counted from the front axle. `choice` saves the route's lane outlooks from an earlier call.
+    PlanError names the edges that no lane sequence connects.
     """
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
-    course = trajectory(reference, start.front_axle(limits.wheelbase), start.speed, start.speed_factor, limits)
-    return _on_curve(reference, course, limits, start, left)
+    course = trajectory(reference, start.front_axle(limits.wheelbase), start.speed, start.speed_factor, limits, aside)
+    return _on_curve(reference, course, limits, start, left, aside)
 
 
 def _reference(
@@ -123,7 +125,12 @@ def _drive_on(reference: Reference, choice: LaneChoice, number: int, lane: Lane,
 
 
 def _on_curve(
-    reference: Reference, course: Trajectory, limits: VehicleLimits, start: PlanStart, left: LeftLane | None
+    reference: Reference,
+    course: Trajectory,
+    limits: VehicleLimits,
+    start: PlanStart,
+    left: LeftLane | None,
+    aside: Aside | None,
 ) -> NominalPlan:
     """Return the plan: the reference's places carried over to C, its speeds and times."""
     curve, s = course.curve, course.s
@@ -134,6 +141,8 @@ def _on_curve(
     stops = tuple(PlannedStop(s(u), stop) for stop, u in reference.stops)
     goal = None if reference.goal is None else s(reference.goal)
     places = [p for passage in passages for p in (passage.start, passage.end)] + ([] if goal is None else [goal])
+    now = start.time, start.speed
+    constraints, times = time_constraints(curve.step, envelope, places, stops, limits, now)
     return NominalPlan(
         curve=curve,
         segments=_segments(reference, course, left),
@@ -141,8 +150,11 @@ def _on_curve(
         lane_changes=_lane_changes(reference, course, left),
         stops=stops,
         speed_limits=envelope,
-        time_constraints=time_constraints(curve, envelope, places, stops, limits, (start.time, start.speed)),
+        time_constraints=constraints,
         goal=goal,
+        times=times,
+        joins=course.blend_end,
+        aside=None if aside is None else replace(aside, back=s(aside.back), until=s(aside.until)),
     )
 
 

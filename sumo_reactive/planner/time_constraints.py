@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.messages.plan import PlannedStop, TimeConstraint
+from sumo_reactive.messages.plan import NominalPlan, PlannedStop, TimeConstraint
 from sumo_reactive.parameters import CURVATURE_WINDOW_M
 from sumo_reactive.vehicle.limits import VehicleLimits
 
@@ -44,36 +45,53 @@ def accelerating_from(speeds: Floats, step: float, acceleration: float) -> Float
 
 
 def time_constraints(
-    curve: Curve,
+    step: float,
     envelope: Floats,
     places: Sequence[float],
     stops: Sequence[PlannedStop],
     limits: VehicleLimits,
     start: tuple[float, float],
-) -> tuple[TimeConstraint, ...]:
-    """Return when the front bumper reaches `places` and `stops` (m on C) at the earliest, comfortably.
+) -> tuple[tuple[TimeConstraint, ...], Floats]:
+    """Return when the front bumper reaches `places` and `stops` (m on C) at the earliest, and the times (n,) of F.
 
-    `start` is (time s, speed m/s). A stop's constraint holds the arrival there; later ones wait for its duration and
-    `until`.
+    `envelope` (n,) are the highest speeds (m/s) at samples `step` m apart; `start` is (time s, speed m/s). A stop's
+    constraint holds the arrival there; later ones wait for its duration and `until`.
     """
     time, speed = start
-    first, found = 0, []
+    first, found, schedule = 0, [], np.full(len(envelope), time)
     pending = sorted(place for place in set(places) if place > 0.0)
     for stop in sorted(stops, key=lambda stop: stop.s):
-        last = max(_sample_of(stop.s, curve, limits), first)
-        times = time + _leg(envelope[first : last + 1], curve.step, speed, 0.0, limits)
+        last = max(_sample_of(stop.s, step, len(envelope), limits), first)
+        times = time + _leg(envelope[first : last + 1], step, speed, 0.0, limits)
+        schedule[first : last + 1] = times
         reached = [place for place in pending if place < stop.s] + [stop.s]
-        found += _constraints(reached, first, times, curve.step, limits)
+        found += _constraints(reached, first, times, step, limits)
         pending = [place for place in pending if place > stop.s]
         time = max(float(times[-1]) + stop.stop.duration, -np.inf if stop.stop.until is None else stop.stop.until)
         first, speed = last, 0.0
-    times = time + _leg(envelope[first:], curve.step, speed, None, limits)
-    return (*found, *_constraints(pending, first, times, curve.step, limits))
+    times = time + _leg(envelope[first:], step, speed, None, limits)
+    schedule[first + 1 :] = times[1:]
+    return (*found, *_constraints(pending, first, times, step, limits)), schedule
 
 
-def _sample_of(place: float, curve: Curve, limits: VehicleLimits) -> int:
+def retimed(plan: NominalPlan, s: float, speed: float, time: float, limits: VehicleLimits) -> tuple[TimeConstraint, ...]:
+    """Return the time constraints ahead of a car with its front axle at `s` m and `speed` m/s: as planned where limits
+    allow, else the earliest that they do. This is the answer that the paper names for a delay (F&L 1991, §2)."""
+    step = plan.curve.step
+    first = min(int(s / step), len(plan.speed_limits) - 2)
+    began = first * step
+    front = s + limits.front_overhang
+    ahead = [constraint for constraint in plan.time_constraints if constraint.s > front]
+    stops = [replace(stop, s=stop.s - began) for stop in plan.stops if stop.s > front]
+    places = [constraint.s - began for constraint in ahead]
+    earliest, _ = time_constraints(step, plan.speed_limits[first:], places, stops, limits, (time, speed))
+    at = {round(constraint.s + began, 3): constraint.time for constraint in earliest}
+    return tuple(TimeConstraint(c.s, max(c.time, at.get(round(c.s, 3), c.time))) for c in ahead)
+
+
+def _sample_of(place: float, step: float, count: int, limits: VehicleLimits) -> int:
     """Return the sample where the front axle is when the bumper is at `place`."""
-    return min(max(round((place - limits.front_overhang) / curve.step), 0), len(curve.x) - 1)
+    return min(max(round((place - limits.front_overhang) / step), 0), count - 1)
 
 
 def _leg(envelope: Floats, step: float, speed: float, last_speed: float | None, limits: VehicleLimits) -> Floats:

@@ -11,28 +11,20 @@ from scipy.interpolate import CubicSpline
 
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.geometry.polyline import Points, Polyline
+from sumo_reactive.geometry.polyline import Points, Polyline, moved_aside
+from sumo_reactive.messages.plan import Aside, lateral_of
 from sumo_reactive.parameters import (
     CURVATURE_MARGIN,
     CURVE_STEP_M,
-    LANE_CHANGE_DURATION_S,
-    MAX_START_BLEND_M,
-    MIN_START_BLEND_M,
     PLAN_HORIZON_M,
-    START_CURVATURE_SHARE,
 )
 from sumo_reactive.planner.reference import Piece, Reference, cut
 from sumo_reactive.planner.smoothing import curvature_of, smoothed
 from sumo_reactive.planner.turning import turnable
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.vehicle.side_step import side_step_length
 
 Floats = NDArray[np.float64]
-
-QUINTIC_STEP_CURVATURE = 5.77
-"""Peak curvature of a quintic lateral step, times length² / offset."""
-
-QUINTIC_TURN_CURVATURE = 3.6
-"""Peak curvature of a quintic that takes out a heading error, times length / error."""
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
@@ -60,12 +52,23 @@ class Trajectory:
 
 
 def trajectory(
-    reference: Reference, front: tuple[float, float, float], speed: float, speed_factor: float, limits: VehicleLimits
+    reference: Reference,
+    front: tuple[float, float, float],
+    speed: float,
+    speed_factor: float,
+    limits: VehicleLimits,
+    aside: Aside | None = None,
 ) -> Trajectory:
-    """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference."""
+    """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference.
+
+    `aside` leads it beside the reference for a while.
+    """
     centre = _centre_line(reference)
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
-    line, blend = _met_from(_points_at(centre, u), front, speed, reference.pieces[0].lane.width, limits)
+    line = _points_at(centre, u)
+    if aside is not None:
+        line = moved_aside(line, lateral_of(aside, u))
+    line, blend = _met_from(line, front, speed, reference.pieces[0].lane.width, limits)
     pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
@@ -109,21 +112,12 @@ def _met_from(
     offset = np.array([x, y]) - line[0]
     turn = np.array([math.cos(heading), math.sin(heading)]) - ahead / max(float(np.hypot(*ahead)), 1e-9)
     error = abs(wrapped(heading - direction))
-    length = _blend_length(float(np.hypot(*offset)), error, speed, width, limits)
+    length = side_step_length(float(np.hypot(*offset)), error, speed, width, limits)
     length = min(length, (len(line) - 1) * CURVE_STEP_M)
     t = np.minimum(np.arange(len(line)) * CURVE_STEP_M / length, 1.0)[:, None]
     place = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
     slope = t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2)
     return line + offset * place + turn * length * slope, length
-
-
-def _blend_length(offset: float, error: float, speed: float, width: float, limits: VehicleLimits) -> float:
-    """Return the length (m) of the transition for a lateral `offset` (m) and a heading `error` (rad) at `speed`."""
-    bend = START_CURVATURE_SHARE * limits.max_curvature
-    lateral = math.sqrt(QUINTIC_STEP_CURVATURE * offset / bend)
-    turning = QUINTIC_TURN_CURVATURE * error / bend
-    comfortable = speed * LANE_CHANGE_DURATION_S * min(offset / width, 1.0)
-    return min(max(MIN_START_BLEND_M, lateral, turning, comfortable), MAX_START_BLEND_M)
 
 
 def _feet(points: Points, u: Floats, curve: Curve, guess: Floats) -> Floats:

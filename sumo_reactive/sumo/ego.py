@@ -66,8 +66,10 @@ class Ego:
         heading = heading_of(libsumo.vehicle.getAngle(self.id))
         return VehicleState(pose_of(x, y, heading, self.limits), max(0.0, libsumo.vehicle.getSpeed(self.id)), 0.0)
 
-    def place(self, state: VehicleState, intent: Intent, duration: float, lane: Lane) -> None:
-        """Announce the intent and command the state that the next simulation step ends in; `lane`: where C is there.
+    def place(self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None) -> None:
+        """Announce the intent and command the state that the next simulation step ends in.
+
+        `lane`: where C is there, None while it leads beside its lane.
 
         SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
         between the same two edges), it is told the lane, until the ego is out of the junction; but not where the front
@@ -75,8 +77,9 @@ class Ego:
         """
         x, y = front_of(state.pose, self.limits)
         libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
-        told = self._unmapped and abs(lane.spine.project(x, y)[1]) < 0.5 * (lane.width + self.limits.width)
-        edge, index, mode = (lane.edge_id, lane.index, FREE_EXACT) if told else ("", -1, KEEP_ROUTE_EXACT)
+        edge, index, mode = "", -1, KEEP_ROUTE_EXACT
+        if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
+            edge, index, mode = lane.edge_id, lane.index, FREE_EXACT
         libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
 
     def _announced(self, speed: float, intent: Intent, duration: float) -> float:
@@ -122,10 +125,6 @@ class Ego:
     def time_loss(self) -> float:
         """Return SUMO's count of the time lost by driving slower than possible, s."""
         return float(libsumo.vehicle.getTimeLoss(self.id))
-
-    def is_present(self) -> bool:
-        """Whether SUMO still has the ego."""
-        return self.id in libsumo.vehicle.getIDList()
 
     def arrive(self) -> None:
         """Take the ego off the road as arrived, so that SUMO's outputs hold its trip."""

@@ -33,6 +33,7 @@ class Ghosts:
         self._type = f"{PREFIX}type.{ego_id}"
         self._made = 0
         self._ghost = ""
+        self._edges: tuple[str, ...] = ()
 
     @property
     def made(self) -> int:
@@ -43,7 +44,10 @@ class Ghosts:
         """Put the ghost on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on."""
         s, _ = lane.spine.project(x, y)
         gx, gy = lane.spine.at(s)
+        if self._ghost and lane.edge_id not in self._edges:
+            self.hide()
         if not self._ghost:
+            self._edges = edges
             self._create(lane, s / lane.scale, speed, edges)
         angle = angle_of(lane.spine.heading_at(s))
         try:

@@ -11,12 +11,14 @@ from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.traffic import Body, RoadUser, Traffic
 from sumo_reactive.parameters import (
     LANES_REFRESH_M,
+    OBSTACLE_POLYGONS,
     PERSON_DECELERATION,
     ROUTE_REFRESH_S,
     STANDING_SPEED,
 )
 from sumo_reactive.perception.attention import in_sight, lanes_in_sight
 from sumo_reactive.sumo.ghosts import is_ghost
+from sumo_reactive.sumo.static_obstacles import StaticObstacles
 from sumo_reactive.sumo.units import heading_of
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -36,30 +38,36 @@ class _Known(NamedTuple):
 class Observer:
     """Reads SUMO through plain getters on the lanes in sight; keeps what does not change from step to step."""
 
-    def __init__(self, ego_id: str) -> None:
+    def __init__(self, ego_id: str, polygon_type: str = OBSTACLE_POLYGONS) -> None:
         self._ego_id = ego_id
+        self._static = StaticObstacles(polygon_type, ego_id)
         self._known: dict[str, _Known] = {}
         self._walkers: dict[str, Body] = {}
-        self._view: tuple[object, int] = (None, 0)
+        self._view: tuple[object, int, float] = (None, 0, 0.0)
         self._lanes: tuple[tuple[str, str, float, bool], ...] = ()
         self._crossings: tuple[tuple[str, str], ...] = ()
         self._lights: tuple[str, ...] = ()
 
-    def observe(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float) -> Traffic:
-        """Return everything on the lanes in sight with the front bumper at `front` m of C and `speed` m/s."""
-        view = (plan, int(front / LANES_REFRESH_M))
-        if view[0] is not self._view[0] or view[1] != self._view[1]:
-            self._look(graph, plan, front, speed)
+    def observe(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> Traffic:
+        """Return everything on the lanes in sight with the front bumper at `front` m of C and `speed` m/s.
+
+        `sight` (m): how far the pilot wants to look along the road.
+        """
+        view = (plan, int(front / LANES_REFRESH_M), sight)
+        if view[0] is not self._view[0] or view[1:] != self._view[1:]:
+            self._look(graph, plan, front, speed, sight)
             self._view = view
         now = libsumo.simulation.getTime()
         state = libsumo.trafficlight.getRedYellowGreenState
         lights = {light: state(light) for light in self._lights}
-        return Traffic(now, (*self._vehicles(now), *self._persons()), lights)
+        static = self._static.near(*plan.curve.at(front)[:2])
+        users = (*self._vehicles(now), *self._persons(), *static.users)
+        return Traffic(now, users, lights, sight, static.points)
 
-    def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float) -> None:
+    def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""
         lanes, crossings = [], []
-        for lane_id in lanes_in_sight(graph, plan, front, speed):
+        for lane_id in lanes_in_sight(graph, plan, front, speed, sight):
             lane = graph.lanes[lane_id]
             connection = graph.connection_of.get(lane_id)
             if connection is not None and connection.is_crossing:
@@ -85,8 +93,11 @@ class Observer:
                 x, y = vehicle.getPosition(name)
                 heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name)
                 position = vehicle.getLanePosition(name) * scale
-                waiting = vehicle.getWaitingTime(name) if speed <= STANDING_SPEED else 0.0
-                yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting)
+                if speed > STANDING_SPEED:
+                    yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route)
+                    continue
+                waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
+                yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting, halted)
 
     def _persons(self) -> Iterator[RoadUser]:
         person = libsumo.person

@@ -1,12 +1,63 @@
-"""Which lane the ego's body covers besides the one that SUMO maps it to."""
+"""Where a stand-in has to show the ego: the lane that its body covers besides the one that SUMO maps it to."""
 
 from __future__ import annotations
 
-from sumo_reactive.messages.plan import NominalPlan
+import math
+from typing import NamedTuple
+
+from sumo_reactive.messages.plan import LaneSegment, NominalPlan
+from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.parameters import STRADDLE_M
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
+
+
+class Haunt(NamedTuple):
+    """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives."""
+
+    lane: Lane
+    x: float
+    y: float
+    speed: float
+    edges: tuple[str, ...]
+
+
+def haunt(
+    graph: RoadGraph, plan: NominalPlan, here: LaneSegment, ego: VehicleState, s: float, limits: VehicleLimits,
+    edges: tuple[str, ...],
+) -> Haunt | None:  # fmt: skip
+    """Return where to show the ego besides; None: nowhere. `edges`: its route from lane segment `here` on.
+
+    On the oncoming lane the stand-in stands, its front where the ego's rear is: SUMO knows no driving backwards.
+    """
+    pose, front = ego.pose, limits.front_to_rear_axle
+    x, y = pose.x + front * math.cos(pose.heading), pose.y + front * math.sin(pose.heading)
+    if plan.aside is None:
+        lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits)
+        return None if lane is None else Haunt(lane, x, y, ego.speed, edges)
+    lane = _beside(graph, here.lane_id, plan.aside.lateral)
+    if lane is None or not _covers(lane, x, y, limits):
+        return None
+    if lane.edge_id == graph.lanes[here.lane_id].edge_id:
+        mapped = abs(graph.lanes[here.lane_id].spine.project(x, y)[1]) > abs(lane.spine.project(x, y)[1])
+        return Haunt(graph.lanes[here.lane_id] if mapped else lane, x, y, ego.speed, edges)
+    back = -limits.rear_overhang
+    return Haunt(
+        lane, pose.x + back * math.cos(pose.heading), pose.y + back * math.sin(pose.heading), 0.0, (lane.edge_id,)
+    )
+
+
+def _beside(graph: RoadGraph, lane_id: str, lateral: float) -> Lane | None:
+    """Return the lane to the left (`lateral` > 0) or right of a lane: of its own edge, or the oncoming one."""
+    left, right = graph.neighbours(lane_id)
+    own = left if lateral > 0.0 else right
+    oncoming = graph.edge_lanes.get(graph.opposite.get(graph.lanes[lane_id].edge_id, ""), ())
+    return own or (oncoming[-1] if oncoming else None)
+
+
+def _covers(lane: Lane, x: float, y: float, limits: VehicleLimits) -> bool:
+    return abs(lane.spine.project(x, y)[1]) < 0.5 * (lane.width + limits.width) - STRADDLE_M
 
 
 def lane_to_haunt(

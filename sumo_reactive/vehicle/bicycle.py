@@ -24,12 +24,14 @@ def advance_pose(
     return x + chord * math.cos(middle), y + chord * math.sin(middle), heading + turn
 
 
-def advance(state: VehicleState, command: Command, wheelbase: float, duration: float) -> VehicleState:
+def advance(
+    state: VehicleState, command: Command, wheelbase: float, duration: float, *, lowest: float = 0.0
+) -> VehicleState:
     """Return the state after holding v' = v + δt·v̇ and φ' = φ + δt·φ̇ for `duration` δt (F&L 1991, §3.1).
 
-    A speed that would become negative becomes 0: the car does not roll back.
+    A speed below `lowest` (m/s) becomes that: the car does not roll back, unless it is to back up.
     """
-    speed = max(0.0, state.speed + command.acceleration * duration)
+    speed = max(lowest, state.speed + command.acceleration * duration)
     angle = state.steering_angle + command.steering_rate * duration
     p = state.pose
     x, y, heading = advance_pose(p.x, p.y, p.heading, speed, angle, wheelbase, duration)

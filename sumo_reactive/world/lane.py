@@ -39,6 +39,10 @@ class Lane:
         """Spine metres per position metre."""
         return self.spine.length / self.length
 
+    def reaches(self, x: float, y: float, width: float) -> bool:
+        """Whether a body of `width` m with the middle of its front at (x, y) reaches over the lane."""
+        return abs(self.spine.project(x, y)[1]) < 0.5 * (self.width + width)
+
     def allows(self, vehicle_class: str) -> bool:
         """Whether vehicles of the class may drive here."""
         return vehicle_class in self.allowed

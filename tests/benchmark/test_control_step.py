@@ -8,10 +8,13 @@ from helpers.situations import PERIOD, Situation, before
 
 from sumo_reactive.controller import Controller, Drive
 from sumo_reactive.executor.executor import execute
+from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import NEAR_M
+from sumo_reactive.perception.outlook import outlook
 from sumo_reactive.perception.perceive import perceive
-from sumo_reactive.pilot.pilot import decide
+from sumo_reactive.pilot.events import detect
+from sumo_reactive.pilot.pilot import Style, decide
 
 OTHERS = (
     ("from_west_0", -4.0, 11.0, "to_east"),
@@ -69,8 +72,22 @@ def test_perceiving(benchmark, controller, traffic, drive):
 def test_deciding(benchmark, controller, traffic, drive):
     snapshot = controller.step(traffic, drive, PERIOD).snapshot
     ahead = controller._ahead(snapshot, drive.plan)
-    completed, _ = benchmark(decide, snapshot, drive.plan, ahead, drive.memory, CAR)
+    view = outlook(traffic, snapshot, drive.plan, controller.graph)
+    event = (Event(EventKind.NEW_PLAN),)
+    completed, _ = benchmark(decide, snapshot, drive.plan, ahead, view, event, drive.memory, CAR, Style())
     assert completed.stop is not None
+
+
+def test_detecting_events(benchmark, controller, traffic, drive):
+    step = controller.step(traffic, drive, PERIOD)
+    ahead, after = controller._ahead(step.snapshot, drive.plan), step.drive
+    found = benchmark(detect, step.snapshot, drive.plan, ahead, after.completed, after.memory, False)
+    assert not found
+
+
+def test_looking_ahead(benchmark, controller, traffic, drive):
+    snapshot = controller.step(traffic, drive, PERIOD).snapshot
+    assert benchmark(outlook, traffic, snapshot, drive.plan, controller.graph).forecast.user_ids
 
 
 def test_executing(benchmark, controller, traffic, drive):

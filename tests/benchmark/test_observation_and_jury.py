@@ -42,14 +42,14 @@ def simulation() -> Iterator[tuple[RoadGraph, NominalPlan]]:
 
 def test_observing_the_lanes_in_sight(benchmark, simulation):
     graph, nominal = simulation
-    traffic = benchmark(Observer(EGO).observe, graph, nominal, 0.0, 10.0)
+    traffic = benchmark(Observer(EGO).observe, graph, nominal, 0.0, 10.0, 0.0)
     assert traffic.users
     assert all(user.id != EGO for user in traffic.users)
 
 
 def test_judging_a_step(benchmark, simulation):
     graph, nominal = simulation
-    traffic = Observer(EGO).observe(graph, nominal, 0.0, 10.0)
+    traffic = Observer(EGO).observe(graph, nominal, 0.0, 10.0, 0.0)
     x, y, heading = nominal.curve.at(0.0)
     jury, now = Jury(CAR.length, CAR.width, CAR.wheelbase, graph), count(UNTIL_S)
     benchmark(lambda: jury.see(Scene(_record(next(now), x, y, heading), traffic.users)))
@@ -58,4 +58,5 @@ def test_judging_a_step(benchmark, simulation):
 
 def _record(time: float, x: float, y: float, heading: float) -> StepRecord:
     motion, along, targets, potentials = (10.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 10.0, 0.0), (0.0, 0.0, 0.0, 0.0)
-    return StepRecord(time, x, y, heading, *motion, "", *along, *targets, *potentials, "", 0.0, "", False, "", 0.0, ())
+    behaviour, flags, rest = ("", ""), (False, False), ("", 0.0, ())
+    return StepRecord(time, x, y, heading, *motion, "", *along, *targets, *potentials, "", 0.0, *behaviour, *flags, *rest)

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from sumo_reactive.experiment.result import TrialResult
 from sumo_reactive.experiment.scenario import load_scenario
 from sumo_reactive.experiment.trial import run_trial
 from sumo_reactive.geometry.footprint import Footprint
+from sumo_reactive.messages.decision import Instruction
 from sumo_reactive.messages.record import Scene, StepRecord
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,6 +29,7 @@ LENGTH, WIDTH = 4.7, 1.8
 KERB_M = 0.3
 """A body may reach this far over the drawn edge of the road: half of what separates a car from its lane's border."""
 DEFAULT_LANE_WIDTH_M = 3.2
+BESIDE_ITS_LANE = {Instruction.OVERTAKE.value, Instruction.RETURN.value, Instruction.FALL_BACK.value}
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +111,13 @@ def test_the_ego_never_leaves_the_road(network):
     surface = road_surface(network)
     boxes = list(run(network).boxes())[:-1]
     assert not [step.time for step, ego in boxes if not surface.contains(shapely.Polygon(ego.corners()))]
-    assert all(step.lane_id for step, _ in run(network).boxes())
+
+
+@each_network
+def test_sumo_maps_the_ego_to_a_lane_unless_it_passes_somebody(network):
+    """Over the oncoming lane it is on no lane of its route."""
+    unmapped = [step for step, _ in run(network).boxes() if not step.lane_id]
+    assert {step.instruction for step in unmapped} <= BESIDE_ITS_LANE
 
 
 @each_network
@@ -145,6 +153,35 @@ def test_every_step_length_works(step_length):
     assert found.result.arrived, found.result.verdict
     assert found.result.step_length_s == step_length
     assert not touched(found)
+
+
+def instructions(run: Run) -> list[str]:
+    """The instructions of a drive in order, each once for as long as it stays."""
+    return [name for name, _ in groupby(scene.step.instruction for scene in run.scenes)]
+
+
+@pytest.mark.parametrize("profile", Profile)
+def test_the_ego_overtakes_and_then_crosses_as_in_the_papers_figure_4(profile):
+    order = instructions(run("figure4", None, profile))
+    stages = [Instruction.OVERTAKE.value, Instruction.RETURN.value, Instruction.CROSS.value]
+    assert [name for name in order if name in stages] == stages
+
+
+@pytest.mark.parametrize("step_length", [0.1, 0.5, 1.0])
+def test_a_broken_down_car_is_passed_at_every_step_length(step_length):
+    found = run("blocked_lane", step_length)
+    assert found.result.arrived, found.result.verdict
+    assert not touched(found)
+    assert Instruction.OVERTAKE.value in instructions(found)
+    assert Instruction.FALL_BACK.value not in instructions(found)
+
+
+@pytest.mark.parametrize("network", ["figure4", "two_way_road", "country_road"])
+def test_between_events_the_pilot_does_not_run(network):
+    """In most steps nothing happens that differs from what the pilot foresaw."""
+    steps = [scene.step for scene in run(network).scenes]
+    assert all(step.pilot == bool(step.events) for step in steps)
+    assert sum(step.pilot for step in steps) < 0.25 * len(steps)
 
 
 @each_network

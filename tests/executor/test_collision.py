@@ -9,8 +9,8 @@ from helpers.cars import CAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.executor.collision import boxes_overlap, braking_collides
-from sumo_reactive.geometry.footprint import Footprint
+from sumo_reactive.executor.collision import braking_collides
+from sumo_reactive.geometry.footprint import Footprint, boxes_overlap
 
 boxes = st.tuples(st.floats(-6, 6), st.floats(-6, 6), st.floats(-4, 4), st.floats(0.5, 12), st.floats(0.3, 3))
 

@@ -116,3 +116,33 @@ def test_obstacles_beside_the_curve_do_not_push_the_car_off_it():
         for static in (np.empty((0, 2)), wall)
     )
     assert max(beside) <= max(free) + 0.02
+
+
+BORDER = np.column_stack([np.arange(-20.0, 20.5, 1.0), np.full(41, -1.6)])
+"""A road's border half a lane to the right of the line y = 0, points 1 m apart."""
+
+
+def slopes(section: np.ndarray) -> tuple[float, float]:
+    """Rise of U₁ from the floor to 1 m on the right, beside the border, and on the left, 1/m."""
+    right, floor, left = section
+    return right - floor, left - floor
+
+
+def test_beside_a_border_the_exact_valley_rises_faster_and_its_floor_stays_on_the_curve():
+    section = exact_section([tuple(point) for point in BORDER], np.array([-1.0, 0.0, 1.0]))
+    right, left = slopes(section)
+    assert section[1] == 0.0
+    assert right == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 0.6)
+    assert left == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 2.6)
+
+
+def test_beside_a_border_the_valley_of_the_bitmap_rises_faster_and_its_floor_stays_on_the_curve():
+    half = MIDDLE * CELL
+    x = np.arange(-half, half, 0.25 * CELL)
+    bitmap = valley_bitmap(x, np.zeros_like(x), BORDER, -half, -half, CELL)
+    section = np.array([map_potential(bitmap, 0.0, y, -half, -half, CELL) for y in (-1.0, 0.0, 1.0)])
+    right, left = slopes(section)
+    assert section[1] == pytest.approx(0.0, abs=1e-9)
+    assert right == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 0.6)
+    assert left == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 2.6)
+    assert (np.diff(bitmap[:, MIDDLE])[MIDDLE:] > 0.0).all()

@@ -26,6 +26,8 @@ def record(time=0.0, x=0.0, y=0.0, heading=0.0, speed=0.0, **others) -> StepReco
         "leader": "",
         "gap": NAN,
         "behaviour": "normal driving",
+        "instruction": "follow C",
+        "pilot": False,
         "emergency": False,
         "light": "",
         "control_us": 100.0,

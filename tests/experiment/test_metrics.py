@@ -8,6 +8,7 @@ from scenes import drive, record, user
 
 from sumo_reactive.experiment.metrics import Jury
 from sumo_reactive.geometry.polyline import Polyline
+from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.world.junction import Connection, Control, Junction, Turn
 from sumo_reactive.world.lane import Lane
@@ -108,6 +109,15 @@ def test_comfort_figures_follow_from_speed_and_steering(jury):
     assert figures["rms_jerk_m_s3"] == pytest.approx(math.sqrt((20.0**2 + 0.0 + 50.0**2) / 3.0), abs=1e-2)
     assert figures["standstill_s"] == pytest.approx(0.1)
     assert figures["off_road_s"] == pytest.approx(0.1)
+
+
+def test_the_steps_without_the_pilot_and_the_events_are_counted(jury):
+    both = Event(EventKind.LIGHT_CHANGE, "tl"), Event(EventKind.NEW_OBSTACLE, "veh_12")
+    for k in range(4):
+        jury.see(Scene(record(0.1 * k, pilot=k == 1, events=both if k == 1 else ()), ()))
+    figures = jury.figures()
+    assert (figures["pilot_activations"], figures["pilot_free_share"]) == (1, 0.75)
+    assert [figures[f"events_{kind}"] for kind in ("light_change", "new_obstacle", "delay")] == [1, 1, 0]
 
 
 def test_wall_clock_figures_are_kept_apart(jury):

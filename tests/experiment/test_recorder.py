@@ -4,16 +4,22 @@ import json
 import math
 
 import duckdb
+import numpy as np
 import pytest
 from scenes import record
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.recorder import Recorder, decision_lines
+from sumo_reactive.experiment.recorder import Recorder
 from sumo_reactive.experiment.result import Collision, TrialResult, Violation
 from sumo_reactive.experiment.summary import rows_of
+from sumo_reactive.experiment.trace import entries, entry_of, line_of, read_entries
 from sumo_reactive.experiment.trajectory import COLUMNS
-from sumo_reactive.messages.decision import Behaviour, Decision, Reason
+from sumo_reactive.messages.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
+from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.record import Scene, StepRecord
+from sumo_reactive.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
+from sumo_reactive.world.road_graph import RoadGraph
 
 
 def result(**others):
@@ -57,18 +63,43 @@ def test_the_rows_name_verdict_and_overrides():
     assert rows["override random"] == "true → false"
 
 
-def test_a_record_has_three_files_and_nothing_beside_them(tmp_path):
+def world(*region_ids):
+    """Return a world of square conflict regions and nothing else."""
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.23456]])
+    meeting = ConflictKind.CROSSING, "a", "b", Interval(0.0, 1.0), Interval(0.0, 1.0), square
+    regions = tuple(ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids)
+    return RoadGraph({}, {}, {}, {}, {}, {}, {}, {"a": regions}, {}, False)
+
+
+def test_the_rows_tell_how_many_steps_needed_no_pilot():
+    rows = dict(rows_of(result(figures={"pilot_free_share": 0.9312})))
+    assert rows["steps without the pilot"] == "93 %"
+
+
+def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):
+    waits = Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "decided", "veh_12")
+    recorder = Recorder(tmp_path / "out")
+    recorder.see(Scene(record(0.0, decisions=(waits,)), ()))
+    recorder.see(Scene(record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),)), ()))
+    recorder.survey(world("decided", "claimed", "elsewhere"))
+    recorder.write(result())
+    outlines = json.loads((tmp_path / "out" / "regions.json").read_text(encoding="utf-8"))
+    square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.235]]
+    assert outlines == {"decided": square, "claimed": square}
+
+
+def test_a_record_has_four_files_and_nothing_beside_them(tmp_path):
     recorded(tmp_path / "deep" / "out")
     assert [path.name for path in (tmp_path / "deep").iterdir()] == ["out"]
     names = sorted(path.name for path in (tmp_path / "deep" / "out").iterdir())
-    assert names == ["decisions.jsonl", "summary.json", "trajectory.parquet"]
+    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
     summary = json.loads((tmp_path / "deep" / "out" / "summary.json").read_text(encoding="utf-8"))
     assert (summary["exit_code"], summary["duration_s"]) == (0, 30.0)
     assert summary["figures"]["min_time_to_collision_s"] is None
 
 
 def test_the_trajectory_has_a_row_a_step_and_a_column_a_field(tmp_path):
-    assert set(COLUMNS) == set(StepRecord._fields) - {"decisions"}
+    assert set(COLUMNS) == set(StepRecord._fields) - {"decisions", "events", "assessment", "regions"}
     recorded(tmp_path / "it's")
     table = duckdb.read_parquet(str(tmp_path / "it's" / "trajectory.parquet"))
     assert table.columns == list(COLUMNS.values())
@@ -117,7 +148,48 @@ def test_decisions_are_written_where_they_change_and_where_an_emergency_begins()
         record(0.4, decisions=(nearer,), emergency=True),
         record(0.5),
     ]
-    lines = list(decision_lines(steps))
+    lines = [line_of(entry) for entry in entries(steps)]
     assert [line["time_s"] for line in lines] == [0.0, 0.1, 0.3, 0.5]
     assert lines[1]["decisions"][0]["reason"] == "the light is red"
-    assert lines[2]["emergency"] is True
+    assert [line.get("emergency") for line in lines] == [None, None, True, None]
+
+
+def test_another_instruction_begins_another_line():
+    steps = [record(0.0), record(0.1, instruction="pull out and pass"), record(0.2, instruction="return to C")]
+    assert [entry.instruction for entry in entries(steps)][1:] == [Instruction.OVERTAKE, Instruction.RETURN]
+
+
+def test_a_line_holds_the_events_of_the_last_activation():
+    light = Event(EventKind.LIGHT_CHANGE, "tl")
+    steps = [record(0.0, events=(light,), pilot=True), record(0.1, emergency=True)]
+    assert [entry.events for entry in entries(steps)] == [(light,), (light,)]
+
+
+def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
+    step = record(
+        1.5,
+        behaviour="cautious driving",
+        instruction="stop at the place named",
+        emergency=True,
+        events=(Event(EventKind.NEW_OBSTACLE, "veh_12"), Event(EventKind.STANDSTILL)),
+        assessment=Assessment(Outcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
+        decisions=(Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "r", "veh_12", False, (("arrival_s", math.inf),)),),
+        regions=(RegionState("r", Occupancy.OCCUPIED, "veh_12"),),
+    )
+    (entry,) = entries([step])
+    line = json.dumps(line_of(entry), allow_nan=False)
+    assert entry_of(json.loads(line)) == entry
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(line + "\n", encoding="utf-8")
+    assert read_entries(path) == (entry,)
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [('{"time_s": 1.0}', "1: key 'events' is missing"), ("[1]", "1: not a record"), ("{", "1: not a record")],
+)
+def test_a_line_of_another_kind_is_refused_with_its_place(tmp_path, line, complaint):
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(line, encoding="utf-8")
+    with pytest.raises(ScenarioError, match=f"jsonl:{complaint}"):
+        read_entries(path)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sumo_reactive.geometry.polyline import Polyline, joined
+from sumo_reactive.geometry.polyline import Polyline, joined, moved_aside
 
 CORNER = Polyline(np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 5.0]]))
 
@@ -36,10 +36,10 @@ def test_a_point_left_of_the_line_has_a_positive_distance():
     assert CORNER.project(4.0, -2.0) == pytest.approx((4.0, -2.0))
 
 
-def test_the_part_behind_a_position_keeps_the_end():
-    part = CORNER.offset_start(12.0)
-    assert part.length == pytest.approx(3.0)
-    assert tuple(part.points[-1]) == (10.0, 5.0)
+def test_a_line_moves_aside_to_its_left_and_keeps_its_length_on_a_straight():
+    line = np.array([[0.0, 0.0], [3.0, 4.0], [6.0, 8.0]])
+    moved = moved_aside(line, np.array([0.0, 5.0, -5.0]))
+    np.testing.assert_allclose(moved, [[0.0, 0.0], [-1.0, 7.0], [10.0, 5.0]], atol=1e-9)
 
 
 def test_joining_drops_the_point_that_two_parts_share():

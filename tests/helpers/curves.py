@@ -10,10 +10,10 @@ import numpy as np
 from helpers.cars import CAR
 from sumo_reactive.executor.executor import Execution, execute
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Weights
-from sumo_reactive.messages.decision import Behaviour, Leader, StopAt
+from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Tuning, Weights
+from sumo_reactive.messages.decision import Behaviour, Instruction, StopAt
 from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
-from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.messages.snapshot import Leader, Snapshot
 from sumo_reactive.messages.state import Pose, VehicleState
 from sumo_reactive.messages.traffic import RoadUser
 from sumo_reactive.perception.perceive import locate
@@ -43,7 +43,8 @@ def straight(length: float = 400.0) -> Curve:
 def plan_along(curve: Curve, speed_limit: float = 13.9) -> NominalPlan:
     """Return a plan on `curve` alone: no junction, no stop, no time that presses."""
     envelope = speed_envelope(curve, np.full(len(curve.x), speed_limit), CAR)
-    return NominalPlan(curve, (), (), (), (), envelope, (TimeConstraint(curve.length, 0.0),), None)
+    times = np.concatenate(([0.0], np.cumsum(curve.step / envelope[1:])))
+    return NominalPlan(curve, (), (), (), (), envelope, (TimeConstraint(curve.length, 0.0),), None, times)
 
 
 def on_curve(curve: Curve, front: float, speed: float) -> VehicleState:
@@ -54,18 +55,24 @@ def on_curve(curve: Curve, front: float, speed: float) -> VehicleState:
 
 
 def seen(
-    state: VehicleState, plan: NominalPlan, s: float, users: Sequence[RoadUser] = (), static=NOTHING, time=0.0
+    state: VehicleState,
+    plan: NominalPlan,
+    s: float,
+    users: Sequence[RoadUser] = (),
+    static=NOTHING,
+    time=0.0,
+    leaders: tuple[Leader, ...] = (),
 ) -> Snapshot:
     """Return what the executor needs to know of a car near arc length `s` of C and of the `users` around it."""
     at, d = locate(state, plan, CAR, s)
     boxes = np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in users]).reshape(-1, 6)
-    return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), (), (), {})
+    return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), leaders, (), (), {})
 
 
-def asked(plan: NominalPlan, stop: StopAt | None = None, leaders: tuple[Leader, ...] = (), weights=WEIGHTS) -> CompletedPlan:
-    """Return the plan with a stop and leaders, in normal driving."""
-    target = plan.time_constraints[0]
-    return CompletedPlan(plan, Behaviour.NORMAL, target, stop, leaders, weights, Intent.DRIVE, ())
+def asked(plan: NominalPlan, stop: StopAt | None = None, weights=WEIGHTS) -> CompletedPlan:
+    """Return the plan with a stop, in normal driving."""
+    instruction = Instruction.FOLLOW_CURVE if stop is None else Instruction.STOP
+    return CompletedPlan(plan, Behaviour.NORMAL, instruction, Tuning(weights), plan.time_constraints, stop, Intent.DRIVE, ())
 
 
 def driven(
@@ -76,11 +83,13 @@ def driven(
     period: float = 0.1,
     **options,
 ) -> Iterator[tuple[Snapshot, Execution]]:
-    """Yield each snapshot and the execution that follows it; `completed` is asked for the plan at each time."""
-    static = options.pop("static", NOTHING)
+    """Yield each snapshot and the execution that follows it; `completed` is asked for the plan at each time, and so is
+    `leaders`, where it is given, for those ahead."""
+    static, leaders = options.pop("static", NOTHING), options.pop("leaders", lambda _: ())
     s, _ = locate(state, plan, CAR, 0.0)
     for k in range(round(seconds / period)):
-        snapshot = seen(state, plan, s, static=static, time=k * period)
-        execution = execute(snapshot, completed(k * period), CAR, period, **options)
+        time = k * period
+        snapshot = seen(state, plan, s, static=static, time=time, leaders=leaders(time))
+        execution = execute(snapshot, completed(time), CAR, period, **options)
         yield snapshot, execution
         state, s = execution.state, snapshot.s

@@ -1,7 +1,5 @@
 """Who goes first, on the project's own junctions: every case a hand-placed picture (F&L 1991, §2, rules)."""
 
-from dataclasses import replace
-
 import pytest
 from helpers.cars import CAR
 from helpers.situations import before
@@ -21,8 +19,7 @@ def on(ego, route, position, speed, waiting=0.0, lane=0):
 
 def having_stopped_for(seconds):
     """The ego at the line of the all-way stop, where its full stop was `seconds` ago."""
-    ego = before("all_way_stop", WEST_EAST, 1.0, 0.0).having_stood(seconds)
-    return replace(ego, memory=ego.memory._replace(stopped_since=ego.time - seconds))
+    return before("all_way_stop", WEST_EAST, 1.0, 0.0).having_stood(seconds)
 
 
 # --- priority road --------------------------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """The speed envelope and the (l, t_l) of P."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,8 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from planner_roads import CAR, corner, graph, road, start_on
 
+from sumo_reactive.messages.plan import TimeConstraint
 from sumo_reactive.planner.planner import plan
-from sumo_reactive.planner.time_constraints import accelerating_from, braking_to
+from sumo_reactive.planner.time_constraints import accelerating_from, braking_to, retimed
 from sumo_reactive.world.route import Route, ScheduledStop
 
 SPEEDS = arrays(float, st.integers(2, 60), elements=st.floats(0.0, 40.0))
@@ -59,3 +62,45 @@ def test_a_scheduled_stop_delays_what_follows(until: float | None, leaves: float
     assert halt.time == pytest.approx(116.0, abs=0.5)
     departs = 200.0 if until else halt.time + 30.0
     assert goal.time == pytest.approx(departs + 36.9, abs=0.5)
+
+
+# --- planned anew: the answer that the paper names for a delay ----------------------------------------------------------
+
+
+def straight_plan(stops=(), slack: float = 0.0):
+    """A plan of 500 m at 10 m/s that begins at time 100 s, every (l, t_l) put off by `slack` s."""
+    world = graph([road("a", [(0, 0), (500, 0)], speed=10.0)], [])
+    found = plan(world, Route(("a",), stops=stops), "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    return replace(found, time_constraints=tuple(TimeConstraint(c.s, c.time + slack) for c in found.time_constraints))
+
+
+def test_planned_anew_a_constraint_that_can_still_be_met_is_kept() -> None:
+    found = straight_plan(slack=5.0)
+    assert retimed(found, 100.0, 10.0, 113.0, CAR) == found.time_constraints
+
+
+def test_planned_anew_a_constraint_that_cannot_be_met_becomes_the_earliest_that_limits_allow() -> None:
+    found = straight_plan()
+    goal = found.time_constraints[-1]
+    (later,) = retimed(found, 100.0, 10.0, 130.0, CAR)
+    assert later.s == goal.s
+    assert later.time == pytest.approx(130.0 + (goal.s - CAR.front_overhang - 100.0) / 10.0, abs=0.3)
+    assert later.time > goal.time
+
+
+def test_planned_anew_a_standing_car_is_given_the_time_to_speed_up() -> None:
+    found = straight_plan()
+    standing, driving = (retimed(found, 100.0, speed, 130.0, CAR)[0].time for speed in (0.0, 10.0))
+    assert standing - driving == pytest.approx(0.5 * 10.0 / CAR.max_acceleration, abs=0.3)
+
+
+def test_planned_anew_the_duration_of_a_stop_ahead_is_kept() -> None:
+    found = straight_plan(stops=(ScheduledStop("a_0", 150.0, 30.0, None),))
+    halt, goal = retimed(found, 50.0, 10.0, 140.0, CAR)
+    assert goal.time - halt.time >= 30.0 + (goal.s - halt.s) / 10.0 - 0.5
+
+
+def test_planned_anew_places_behind_the_front_are_gone() -> None:
+    found = straight_plan(stops=(ScheduledStop("a_0", 150.0, 30.0, None),))
+    behind = found.stops[0].s + 5.0
+    assert [c.s for c in retimed(found, behind, 5.0, 160.0, CAR)] == [found.time_constraints[-1].s]

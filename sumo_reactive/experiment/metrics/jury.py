@@ -8,6 +8,7 @@ from sumo_reactive.experiment.metrics.collisions import Collisions
 from sumo_reactive.experiment.metrics.comfort import Comfort
 from sumo_reactive.experiment.metrics.hard_braking import HardBraking
 from sumo_reactive.experiment.metrics.moment import Figures, Moment, Watch
+from sumo_reactive.experiment.metrics.pilot_activity import PilotActivity
 from sumo_reactive.experiment.metrics.post_encroachment import PostEncroachment
 from sumo_reactive.experiment.metrics.red_lights import RedLights
 from sumo_reactive.experiment.metrics.right_of_way import RightOfWay
@@ -38,6 +39,7 @@ class Jury:
             PostEncroachment(length_m, width_m),
             HardBraking(),
             Comfort(wheelbase_m),
+            PilotActivity(),
         )
 
     def see(self, scene: Scene) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.compilation import kernel
-from sumo_reactive.executor.collision import boxes_overlap
 from sumo_reactive.executor.shadow import corners_of, shadow_distance
+from sumo_reactive.geometry.footprint import boxes_overlap
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import RoadUser
 

@@ -2,46 +2,61 @@
 
 from __future__ import annotations
 
-from sumo_reactive.messages.completed_plan import Weights
-from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason, StopAt
 from sumo_reactive.messages.plan import Passage
 from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.parameters import STANDING_SPEED, STOP_REACHED_M
-from sumo_reactive.pilot.lights import Signal, signal
+from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, STANDING_SPEED, STOP_REACHED_M
+from sumo_reactive.pilot.lights import Signal, letter_of, signal
 from sumo_reactive.pilot.memory import PilotMemory
+from sumo_reactive.pilot.situation import BehaviourRule, Situation
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.junction import Connection, Control
-
-WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
 
 _FULL_STOP = (Control.STOP, Control.ALL_WAY_STOP)
 _REASONS = {Signal.STOP: Reason.RED_LIGHT, Signal.STOP_ON_YELLOW: Reason.YELLOW_LIGHT}
 
 
-def letter_of(connection: Connection, snapshot: Snapshot) -> str:
-    """Return the light's letter for a connection, empty when no light speaks."""
-    link = connection.light
-    if link is None:
-        return ""
-    letters = snapshot.lights.get(link.light_id, "")
-    return letters[link.index] if link.index < len(letters) else ""
-
-
 def stop_at_line(
     passage: Passage, connection: Connection, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> tuple[StopAt | None, PilotMemory]:
-    """Return the stop that light or sign ask for before the line, and the memory of a full stop once it is made."""
+) -> tuple[StopAt | None, Decision | None, PilotMemory]:
+    """Return the stop that light or sign ask for before the line, the decision to pass a light that changed too late,
+    and the memory of a full stop once it is made."""
     to_line = passage.start - snapshot.front
     if to_line < 0.0:
-        return None, memory
-    letter = letter_of(connection, snapshot)
+        return None, None, memory
+    letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
     asked = signal(letter, to_line, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
     if asked in _REASONS:
-        cause = connection.light.light_id if connection.light else ""
-        return StopAt(passage.start, _REASONS[asked], cause=cause), memory
+        return StopAt(passage.start, _REASONS[asked], cause=light), None, memory
+    if asked is Signal.GO_ON_YELLOW:
+        needed = snapshot.ego.speed**2 / (2.0 * max(to_line, 0.1))
+        figures = (("to_line_m", to_line), ("braking_needed_m_s2", needed))
+        return None, Decision(Behaviour.CROSSING, Reason.YELLOW_TOO_CLOSE, "", light, True, figures), memory
     due = asked is Signal.STOP_THEN_GO or (not letter and connection.control in _FULL_STOP)
     if not due or memory.stopped_at == connection.id:
-        return None, memory
+        return None, None, memory
     if snapshot.ego.speed < STANDING_SPEED and to_line < STOP_REACHED_M:
-        return None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
-    return StopAt(passage.start, Reason.STOP_SIGN), memory
+        return None, None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
+    return StopAt(passage.start, Reason.STOP_SIGN), None, memory
+
+
+def intersection_is_near(situation: Situation) -> bool:
+    """M approaches an intersection where somebody may cross its path or a light speaks, and has not passed the line."""
+    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * situation.snapshot.ego.speed
+    for way, (_, connection, conflicts) in zip(situation.ways, situation.ahead, strict=True):
+        if 0.0 <= way.passage.start - situation.snapshot.front < reach and (conflicts or connection.light):
+            return True
+    return False
+
+
+def no_intersection_is_near(situation: Situation) -> bool:
+    """The line is passed, or the intersection out of reach."""
+    return not intersection_is_near(situation)
+
+
+def approach(situation: Situation) -> Instruction:
+    """Approach, ready to stop; stop where light, sign, region or the room behind it ask for it."""
+    return Instruction.APPROACH if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.CAUTIOUS, (intersection_is_near,), approach, (no_intersection_is_near,))

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
-from sumo_reactive.messages.completed_plan import Weights
-from sumo_reactive.messages.decision import Reason, StopAt
-from sumo_reactive.messages.plan import NominalPlan, Passage
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.messages.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.parameters import (
     COMMITTED_PATIENCE,
@@ -20,57 +18,60 @@ from sumo_reactive.parameters import (
     STANDING_SPEED,
     WAIT_SHIFT_M,
 )
-from sumo_reactive.pilot.behaviours.cautious import letter_of
-from sumo_reactive.pilot.gaps import is_enough, passing, threat, travel_time
-from sumo_reactive.pilot.lights import holds_back
+from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, threat, travel_time
+from sumo_reactive.pilot.lights import holds_back, letter_of
 from sumo_reactive.pilot.memory import PilotMemory
+from sumo_reactive.pilot.passages import Crossing
+from sumo_reactive.pilot.situation import BehaviourRule, Situation
 from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.junction import Connection, Control
+from sumo_reactive.world.junction import Control
 from sumo_reactive.world.regions import ConflictKind
 
-WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
 
-
-class Crossing(NamedTuple):
-    """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed."""
-
-    number: int
-    passage: Passage
-    connection: Connection
-    scale: float
-    pace: float
-
-    def at(self, path_length: float) -> float:
-        """Arc length on C of a place on the connection's path, m."""
-        return self.passage.start + path_length * self.scale
-
-
-class Objection(NamedTuple):
-    """Why a region may not be entered now."""
+class Judgement(NamedTuple):
+    """What the pilot makes of one foe at one region: whether the ego `passes`, for what `reason`, with whose times (s)."""
 
     reason: Reason
     foe: Foe
-    figures: tuple[tuple[str, float], ...]
+    passes: bool
+    own: Passing
+    other: Threat
+
+    @property
+    def region(self) -> str:
+        """The region's id."""
+        return self.foe.conflict.region.id
+
+    @property
+    def decision(self) -> Decision:
+        """The judgement as it is recorded."""
+        behaviour = Behaviour.CROSSING if self.passes else Behaviour.CAUTIOUS
+        figures = (
+            ("arrival_s", self.own.arrival),
+            ("clearance_s", self.own.clearance),
+            ("foe_arrival_s", self.other.arrival),
+            ("foe_clearance_s", self.other.clearance),
+        )
+        return Decision(behaviour, self.reason, self.region, self.foe.user.id, self.passes, figures)
 
 
-def stop_before_region(
+def judgements(
     crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> tuple[StopAt, Objection] | None:
-    """Return where to wait for the regions of a passage, and the objection behind it; None when the way is free."""
-    best: tuple[StopAt, Objection] | None = None
+) -> Iterator[tuple[Judgement, float | None]]:
+    """Yield what each foe means for a passage, with the place (m of C) to wait for it (None: go on)."""
     for foe in snapshot.foes:
-        if foe.passage != crossing.number:
-            continue
-        objection = _objection(foe, crossing, snapshot, memory, limits)
-        place = _place_to_wait(foe.conflict, crossing, snapshot, limits) if objection else None
-        if objection and place is not None and (best is None or place < best[0].s):
-            best = StopAt(place, objection.reason, foe.conflict.region.id, foe.user.id), objection
-    return best
+        judgement = judge(foe, crossing, snapshot, memory, limits) if foe.passage == crossing.number else None
+        if judgement is not None:
+            yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
 
 
-def _objection(
+def judge(
     foe: Foe, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> Objection | None:
+) -> Judgement | None:
+    """Return whether the ego may enter a region before or after a foe; None when the foe does not matter there.
+
+    The conflict-region rule: one vehicle at a time (F&L 1991, §2).
+    """
     region, front = foe.conflict.region, snapshot.front
     to_region = crossing.at(region.own.start) - front
     to_clear = crossing.at(region.own.end) + limits.length - front
@@ -83,15 +84,8 @@ def _objection(
     own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
     other = threat(foe, expects_ego=committed)
     may_follow = committed or _is_certain(foe) or crossing.passage.start - front > ENTERING_M
-    if is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow):
-        return None
-    figures = (
-        ("arrival_s", own.arrival),
-        ("clearance_s", own.clearance),
-        ("foe_arrival_s", other.arrival),
-        ("foe_clearance_s", other.clearance),
-    )
-    return Objection(_reason(foe), foe, figures)
+    passes = is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
+    return Judgement(_reason(foe), foe, passes, own, other)
 
 
 def _is_certain(foe: Foe) -> bool:
@@ -205,12 +199,26 @@ def exit_is_blocked(crossing: Crossing, snapshot: Snapshot, limits: VehicleLimit
     return ""
 
 
-def crossings(snapshot: Snapshot, plan: NominalPlan, connections: Iterable[tuple[int, Connection]]) -> Iterator[Crossing]:
-    """Yield the passages that matter now."""
-    for index, connection in connections:
-        passage = plan.passages[index]
-        scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
-        first = max(0, int(max(passage.start, snapshot.s) / plan.curve.step))
-        last = max(first + 1, int(passage.end / plan.curve.step) + 1)
-        pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
-        yield Crossing(index, passage, connection, scale, max(pace, 1.0))
+def line_is_passed(situation: Situation) -> bool:
+    """M has passed the line of an intersection where somebody may cross its path, and not yet left it.
+
+    It passes the line only when each region was free and the room behind it too: else `cautious` stops it there.
+    """
+    snapshot = situation.snapshot
+    for way, (_, _, conflicts) in zip(situation.ways, situation.ahead, strict=True):
+        if conflicts and way.passage.start < snapshot.front and snapshot.s < way.passage.end:
+            return True
+    return False
+
+
+def intersection_is_left(situation: Situation) -> bool:
+    """M has left every conflict region."""
+    return not line_is_passed(situation)
+
+
+def cross(situation: Situation) -> Instruction:
+    """Cross without stopping; wait before the next region if it must."""
+    return Instruction.CROSS if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.CROSSING, (line_is_passed,), cross, (intersection_is_left,))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from sumo_reactive.messages.completed_plan import Weights
-from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.messages.decision import Behaviour, Instruction, Reason, StopAt
 from sumo_reactive.messages.plan import NominalPlan, PlannedStop
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.parameters import STANDING_SPEED, STOP_REACHED_M
 from sumo_reactive.pilot.memory import PilotMemory
-
-WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
+from sumo_reactive.pilot.situation import BehaviourRule, Situation
 
 
 def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
@@ -29,3 +27,21 @@ def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[S
     elif snapshot.time >= memory.serving_until:
         return None, memory._replace(served=(*memory.served, stop), serving_until=None)
     return StopAt(planned.s, Reason.SCHEDULED_STOP, cause=stop.lane_id), memory
+
+
+def stop_is_next(situation: Situation) -> bool:
+    """The nearest place to stop at is a stop of the route."""
+    return situation.stop is not None and situation.stop.reason is Reason.SCHEDULED_STOP
+
+
+def stop_is_served(situation: Situation) -> bool:
+    """No stop of the route is next any more."""
+    return not stop_is_next(situation)
+
+
+def stop_there(situation: Situation) -> Instruction:
+    """Stop at the location."""
+    return Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.STOPPING, (stop_is_next,), stop_there, (stop_is_served,))

@@ -1,0 +1,33 @@
+"""Events: what makes the pilot run (F&L 1991, §2: it is activated asynchronously)."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class EventKind(Enum):
+    """Every kind of event; between events the pilot does not run."""
+
+    NEW_PLAN = "a new nominal plan"
+    NEW_OBSTACLE = "a new obstacle ahead"
+    INTERSECTION = "an intersection comes into reach, or its line, or its end"
+    LANE_CHANGE = "a lane change that the route needs comes into reach"
+    LIGHT_CHANGE = "a light changes"
+    OTHER_BEHAVIOUR = "a road user does something else than foreseen"
+    CAUSE_VANISHED = "the cause of the instruction is gone"
+    OFF_NOMINAL = "the speed is far from nominal"
+    CONSTRAINT_MISSED = "a time constraint is missed"
+    DELAY = "the delay is excessive"
+    NO_COMMAND = "no command was admissible"
+    STANDSTILL = "the ego comes to a stand or moves off"
+    TIME_REACHED = "a time that the instruction named is reached"
+    FORECAST_EXPIRED = "the forecast of the others is too old to rely on"
+    NO_PROGRESS = "no progress, though nobody has the right to block the ego"
+
+
+class Event(NamedTuple):
+    """Something happened that may spoil the plan; `cause` is the road user, light or place behind it (empty: the ego)."""
+
+    kind: EventKind
+    cause: str = ""

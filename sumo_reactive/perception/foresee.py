@@ -1,0 +1,101 @@
+"""Where the others will be if each keeps its behaviour constant: speed kept, along its lane, as its route says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.geometry.polyline import Polyline
+from sumo_reactive.messages.forecast import Forecast
+from sumo_reactive.messages.traffic import RoadUser
+from sumo_reactive.parameters import FORECAST_REACH_M, PATH_STEP_M
+from sumo_reactive.world.junction import Connection
+from sumo_reactive.world.road_graph import RoadGraph
+
+Array = NDArray[np.float64]
+
+_POINTS = round(FORECAST_REACH_M / PATH_STEP_M)
+
+
+def foresee(graph: RoadGraph, users: tuple[RoadUser, ...]) -> Forecast:
+    """Return the paths of `users`; both branches, or all, where a route is unknown (F&L 1991, §2)."""
+    ids: list[str] = []
+    chunks: list[Array] = []
+    bodies: list[tuple[float, ...]] = []
+    for user in users:
+        for path in _paths_of(graph, user):
+            at = min(max(int(user.lane_position / PATH_STEP_M), 0), len(path) - 2)
+            near = path[at : at + _POINTS]
+            ids.append(user.id)
+            chunks.append(near)
+            limit = graph.lanes[user.lane_id].speed_limit if user.lane_id else 0.0
+            start = user.lane_position - at * PATH_STEP_M
+            bodies.append((start, _beside(near[0], user), user.speed, user.body.length, user.body.width, limit))
+    if not ids:
+        return NOBODY
+    count = np.array([len(chunk) for chunk in chunks])
+    first = np.concatenate(([0], np.cumsum(count)[:-1]))
+    return Forecast(tuple(ids), np.concatenate(chunks), first, count, np.array(bodies))
+
+
+NOBODY = Forecast((), np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 6)))
+
+
+def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Array, ...]:
+    """Return the ways of a user; a body that stands on no lane has one, which starts at its front."""
+    if user.lane_id or not user.is_halted:
+        return paths_ahead(graph, user.lane_id, user.route[:3])
+    ahead = PATH_STEP_M * np.array([[0.0], [1.0]]) * (math.cos(user.heading), math.sin(user.heading))
+    return (np.column_stack((ahead + np.array((user.x, user.y)), np.full(2, user.heading))),)
+
+
+@lru_cache(maxsize=4096)
+def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple[Array, ...]:
+    """Return each way on from the start of a lane, (n, 3): x, y, heading every PATH_STEP_M.
+
+    `edges` are the next ones of the route (empty: unknown, every way out counts). None for lanes outside `graph`.
+    """
+    lane = graph.lanes.get(lane_id)
+    if lane is None:
+        return ()
+    return tuple(_sampled(line) for line in _lines(graph, lane_id, edges))
+
+
+def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:
+    spine = graph.lanes[lane_id].spine
+    own = graph.connection_of.get(lane_id)
+    if own is not None and not own.is_crossing:
+        parts = own.parts[own.parts.index(lane_id) :]
+        yield [graph.lanes[part].spine.points for part in (*parts, own.to_lane) if part in graph.lanes]
+        return
+    ways = [] if spine.length > FORECAST_REACH_M or own is not None else list(_ways(graph, lane_id, edges))
+    if not ways:
+        yield [spine.points]
+    for way in ways:
+        behind = [graph.lanes[part].spine.points for part in (*way.parts, way.to_lane) if part in graph.lanes]
+        yield [spine.points, *behind]
+
+
+def _ways(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[Connection]:
+    for way in graph.outgoing.get(lane_id, ()):
+        target = graph.lanes.get(way.to_lane)
+        if not way.is_crossing and target is not None and (not edges or target.edge_id in edges[1:2]):
+            yield way
+
+
+def _sampled(chunks: list[Array]) -> Array:
+    line = Polyline(np.vstack(chunks))
+    s = np.arange(0.0, line.length + PATH_STEP_M, PATH_STEP_M)
+    x, y = (np.interp(s, line.arc_lengths, line.points[:, k]) for k in (0, 1))
+    heading = np.unwrap(np.arctan2(np.gradient(y), np.gradient(x)))
+    return np.column_stack([x, y, heading])
+
+
+def _beside(point: Array, user: RoadUser) -> float:
+    """How far left of a point (x, y, heading) of its path the user's front is, m."""
+    x, y, heading = point
+    return float((user.y - y) * math.cos(heading) - (user.x - x) * math.sin(heading))

@@ -1,0 +1,151 @@
+"""What activates the pilot: everything that differs from what it took for granted (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from sumo_reactive.messages.completed_plan import CompletedPlan
+from sumo_reactive.messages.decision import StopAt
+from sumo_reactive.messages.event import Event, EventKind
+from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.parameters import (
+    BEHAVIOUR_TOLERANCE,
+    CAUTIOUS_AHEAD_M,
+    CAUTIOUS_AHEAD_S,
+    DELAY_STEP_S,
+    ENTERING_M,
+    NO_PROGRESS_S,
+    OFF_NOMINAL_SPEED,
+    STANDING_SPEED,
+    TIME_TOLERANCE_S,
+    TRUST_AHEAD_S,
+    TRUST_S,
+)
+from sumo_reactive.pilot.lane_changing import pending
+from sumo_reactive.pilot.memory import PilotMemory, Premises
+from sumo_reactive.pilot.passages import Ahead
+
+FAR, NEAR, ENTERING, INSIDE, LEFT = range(5)
+"""How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it, out."""
+
+
+def detect(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, held: CompletedPlan | None, memory: PilotMemory, no_command: bool
+) -> tuple[Event, ...]:
+    """Return every event since the pilot last decided; none means that its plan `held` stays in force.
+
+    `no_command`: the executor's feedback that no command was admissible.
+    """
+    premises = memory.premises
+    if held is None or premises is None or premises.plan is not plan:
+        return (Event(EventKind.NEW_PLAN),)
+    found = [*_others(snapshot, held, premises), *_own(snapshot, plan, ahead, premises), *_times(snapshot, held, memory)]
+    if no_command:
+        found.append(Event(EventKind.NO_COMMAND))
+    return tuple(found)
+
+
+def premises_of(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, is_watchful: bool) -> Premises:
+    """Return what a decision made now rests on; `is_watchful`: it rests on the others' motion from moment to moment."""
+    stages = _stages(snapshot, plan, ahead)
+    is_seeking = pending(snapshot, plan) is not None
+    near = is_watchful or is_seeking or any(stage[0] not in (FAR, LEFT) for stage in stages)
+    trust = TRUST_S if near else TRUST_AHEAD_S
+    return Premises(
+        plan=plan,
+        time=snapshot.time,
+        lights=snapshot.lights,
+        speeds=_speeds(snapshot),
+        foes=_foes(snapshot),
+        stages=stages,
+        is_standing=snapshot.ego.speed < STANDING_SPEED,
+        is_off_nominal=_is_off_nominal(snapshot, plan),
+        is_seeking=is_seeking,
+        trusted_until=snapshot.time + trust if snapshot.foes or is_watchful or is_seeking else math.inf,
+    )
+
+
+def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> Iterator[Event]:
+    """Yield what the others and the lights have changed."""
+    for light, letters in snapshot.lights.items():
+        if premises.lights.get(light) != letters:
+            yield Event(EventKind.LIGHT_CHANGE, light)
+    speeds = _speeds(snapshot)
+    for user_id, speed in speeds.items():
+        foreseen = premises.speeds.get(user_id)
+        if foreseen is None:
+            yield Event(EventKind.NEW_OBSTACLE, user_id)
+        elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
+            yield Event(EventKind.OTHER_BEHAVIOUR, user_id)
+    if held.stop is not None and _is_gone(held.stop, snapshot, premises, speeds):
+        yield Event(EventKind.CAUSE_VANISHED, held.stop.cause)
+
+
+def _is_gone(stop: StopAt, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
+    """Whether the road user that the ego stops for is out of the way."""
+    if stop.cause not in premises.speeds:
+        return False
+    threat = stop.cause, stop.region
+    return stop.cause not in speeds or (threat in premises.foes and threat not in _foes(snapshot))
+
+
+def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> Iterator[Event]:
+    """Yield what the ego itself has come to."""
+    if _stages(snapshot, plan, ahead) != premises.stages:
+        yield Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), ""))
+    if not premises.is_seeking and pending(snapshot, plan) is not None:
+        yield Event(EventKind.LANE_CHANGE)
+    if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
+        yield Event(EventKind.STANDSTILL)
+    if _is_off_nominal(snapshot, plan) and not premises.is_off_nominal:
+        yield Event(EventKind.OFF_NOMINAL)
+
+
+def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> Iterator[Event]:
+    """Yield what is due: times that the plan or an instruction named, delays, want of progress."""
+    premises, now = memory.premises, snapshot.time
+    if premises is not None and now >= premises.trusted_until - 1e-6:
+        yield Event(EventKind.FORECAST_EXPIRED)
+    if memory.serving_until is not None and now >= memory.serving_until:
+        yield Event(EventKind.TIME_REACHED)
+    target = next((c for c in held.time_constraints if c.s > snapshot.front), None)
+    if target is not None and now > target.time + TIME_TOLERANCE_S:
+        yield Event(EventKind.CONSTRAINT_MISSED)
+    if held.plan.delay(snapshot.s, now) > memory.delay + DELAY_STEP_S:
+        yield Event(EventKind.DELAY)
+    if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
+        yield Event(EventKind.NO_PROGRESS)
+
+
+def _speeds(snapshot: Snapshot) -> dict[str, float]:
+    speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
+    for foe in snapshot.foes:
+        speeds[foe.user.id] = foe.user.speed
+    return speeds
+
+
+def _foes(snapshot: Snapshot) -> frozenset[tuple[str, str]]:
+    return frozenset((foe.user.id, foe.conflict.region.id) for foe in snapshot.foes)
+
+
+def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
+    return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > OFF_NOMINAL_SPEED
+
+
+def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> tuple[tuple[int, ...], ...]:
+    """Return for each passage in sight its index, the ego's stage and how many regions lie behind the front bumper."""
+    front = snapshot.front
+    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed
+    found = []
+    for i, connection, conflicts in ahead:
+        if not conflicts and connection.light is None:
+            continue
+        inside = front - plan.passages[i].start
+        stage = FAR if inside < -reach else NEAR if inside < -ENTERING_M else ENTERING if inside <= 0.0 else INSIDE
+        if snapshot.s >= plan.passages[i].end:
+            stage = LEFT
+        passed = sum(inside > c.region.own.start for c in conflicts) if stage == INSIDE else 0
+        found.append((stage, i, passed))
+    return tuple(found)

@@ -1,0 +1,38 @@
+"""The passages through junctions that are in sight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from sumo_reactive.messages.plan import NominalPlan, Passage
+from sumo_reactive.messages.snapshot import Conflict, Snapshot
+from sumo_reactive.world.junction import Connection
+
+Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
+"""The passages in sight: index in the plan, connection, conflicts."""
+
+
+class Crossing(NamedTuple):
+    """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed."""
+
+    number: int
+    passage: Passage
+    connection: Connection
+    scale: float
+    pace: float
+
+    def at(self, path_length: float) -> float:
+        """Arc length on C of a place on the connection's path, m."""
+        return self.passage.start + path_length * self.scale
+
+
+def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[Crossing]:
+    """Yield the passages that matter now."""
+    for index, connection, _ in ahead:
+        passage = plan.passages[index]
+        scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
+        first = max(0, int(max(passage.start, snapshot.s) / plan.curve.step))
+        last = max(first + 1, int(passage.end / plan.curve.step) + 1)
+        pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
+        yield Crossing(index, passage, connection, scale, max(pace, 1.0))

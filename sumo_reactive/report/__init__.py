@@ -1,0 +1,1 @@
+"""Explanations, pictures and pages, made from recorded runs only."""

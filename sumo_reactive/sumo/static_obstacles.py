@@ -1,0 +1,128 @@
+"""Static obstacles that SUMO knows: polygons of one type on the road, and vehicles that are parked beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import libsumo
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from sumo_reactive.geometry.footprint import Footprint
+from sumo_reactive.messages.traffic import NO_POINTS, Body, RoadUser
+from sumo_reactive.parameters import (
+    LANES_REFRESH_M,
+    OBSTACLE_POLYGONS,
+    OUTLINE_STEP_M,
+    POLYGON_REACH_M,
+    STANDING_SPEED,
+    STATIC_SIGHT_M,
+    THIN_POLYGON_M,
+)
+from sumo_reactive.sumo.units import heading_of
+
+Array = NDArray[np.float64]
+
+_FIRM = 10.0  # m/s²; a body that never moves stops at once
+
+
+class Static(NamedTuple):
+    """What stands near: polygons as `users`; `points` (k, 2), m, of O_S on the outlines of polygons and parked vehicles."""
+
+    users: tuple[RoadUser, ...]
+    points: Array
+
+
+class StaticObstacles:
+    """Reads the polygons once, and keeps account of parked vehicles from step to step."""
+
+    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS, ego_id: str = "") -> None:
+        polygon, vehicle = libsumo.polygon, libsumo.vehicle
+        hulls = {n: hull_of(polygon.getShape(n)) for n in polygon.getIDList() if polygon.getType(n) == polygon_type}
+        self._ego_id = ego_id
+        self._users = tuple(standing(f"polygon:{name}", hull) for name, hull in hulls.items())
+        self._outlines = tuple(outline(hull) for hull in hulls.values())
+        self._parked: dict[str, Array] = {}
+        self._park(name for name in vehicle.getIDList() if vehicle.isStoppedParking(name))
+        self._near = Static((), NO_POINTS)
+        self._place = (math.inf, math.inf)
+
+    def near(self, x: float, y: float) -> Static:
+        """Return what stands near (x, y), m; to be asked once after each simulation step."""
+        changed = self._update()
+        if changed or max(abs(x - self._place[0]), abs(y - self._place[1])) > LANES_REFRESH_M:
+            self._place = (x, y)
+            self._near = Static(tuple(u for u in self._users if _is_near(u, x, y)), self._points(x, y))
+        return self._near
+
+    def _update(self) -> bool:
+        """Take in who has begun or ended parking in the last step; return whether somebody has."""
+        simulation = libsumo.simulation
+        begun, gone = simulation.getParkingStartingVehiclesIDList(), simulation.getParkingEndingVehiclesIDList()
+        if self._parked:
+            gone += simulation.getArrivedIDList()
+        before = len(self._parked)
+        for name in gone:
+            self._parked.pop(name, None)
+        ended = before > len(self._parked)
+        return self._park(begun) or ended
+
+    def _park(self, names: Iterable[str]) -> bool:
+        """Keep the outline of each that stands beside the road: SUMO has it on no lane, so nobody else sees it."""
+        vehicle, before = libsumo.vehicle, len(self._parked)
+        for name in names:
+            if name != self._ego_id and not vehicle.getLaneID(name):
+                x, y = vehicle.getPosition(name)
+                heading = heading_of(vehicle.getAngle(name))
+                box = Footprint(x, y, heading, vehicle.getLength(name), vehicle.getWidth(name))
+                self._parked[name] = outline(shapely.Polygon(box.corners()))
+        return len(self._parked) > before
+
+    def _points(self, x: float, y: float) -> Array:
+        outlines = (*self._outlines, *self._parked.values())
+        if not outlines:
+            return NO_POINTS
+        points = np.concatenate(outlines)
+        return np.asarray(points[np.abs(points - (x, y)).max(axis=1) < STATIC_SIGHT_M])
+
+
+def hull_of(shape: Iterable[tuple[float, float]]) -> shapely.Polygon:
+    """Return the convex hull of a polygon's points; a line or a single point gets a width of 2 · THIN_POLYGON_M."""
+    hull = shapely.MultiPoint([point[:2] for point in shape]).convex_hull
+    return hull if hull.area > 0.0 else hull.buffer(THIN_POLYGON_M, cap_style="square", join_style="mitre")
+
+
+def outline(shape: shapely.Polygon) -> Array:
+    """Return points (n, 2), m, on the outline of a shape, at most OUTLINE_STEP_M apart."""
+    ring: Array = shapely.get_coordinates(shapely.segmentize(shape.exterior, OUTLINE_STEP_M))
+    return ring[:-1]
+
+
+def standing(name: str, hull: shapely.Polygon) -> RoadUser:
+    """Return a shape as a body that has halted: its smallest rectangle, whose front looks along the road."""
+    corners = shapely.get_coordinates(hull.minimum_rotated_rectangle)[:4]
+    (x, y), sides = corners.mean(axis=0), np.diff(corners[:3], axis=0)
+    road = _road_heading(x, y)
+    along = sides @ (math.cos(road), math.sin(road)) / np.hypot(*sides.T)
+    first = int(np.argmax(np.abs(along)))
+    ahead = math.copysign(1.0, along[first]) * sides[first]
+    body = Body(float(np.hypot(*ahead)), float(np.hypot(*sides[1 - first])), _FIRM, STANDING_SPEED)
+    front_x, front_y = (x, y) + 0.5 * ahead
+    return RoadUser(name, float(front_x), float(front_y), math.atan2(ahead[1], ahead[0]), 0.0, "", 0.0, body, is_halted=True)
+
+
+def _road_heading(x: float, y: float) -> float:
+    """Return the direction (rad) of the lane nearest to (x, y), m; 0 where SUMO finds no road."""
+    try:
+        edge_id, position, index = libsumo.simulation.convertRoad(x, y)
+    except libsumo.TraCIException:
+        return 0.0
+    return heading_of(libsumo.lane.getAngle(f"{edge_id}_{index}", position))
+
+
+def _is_near(user: RoadUser, x: float, y: float) -> bool:
+    reach = POLYGON_REACH_M + user.body.length + user.body.width
+    return abs(user.x - x) < reach and abs(user.y - y) < reach

@@ -1,0 +1,31 @@
+"""How long a car needs to move aside."""
+
+from __future__ import annotations
+
+import math
+
+from sumo_reactive.parameters import (
+    LANE_CHANGE_DURATION_S,
+    MAX_START_BLEND_M,
+    MIN_START_BLEND_M,
+    START_CURVATURE_SHARE,
+)
+from sumo_reactive.vehicle.limits import VehicleLimits
+
+QUINTIC_STEP_CURVATURE = 5.77
+"""Peak curvature of a quintic lateral step, times length² / offset."""
+
+QUINTIC_TURN_CURVATURE = 3.6
+"""Peak curvature of a quintic that takes out a heading error, times length / error."""
+
+
+def side_step_length(offset: float, error: float, speed: float, width: float, limits: VehicleLimits) -> float:
+    """Return the length (m) of a transition by `offset` m to the side and a heading `error` (rad) at `speed` m/s.
+
+    `width` (m) is that of a lane: a whole one takes LANE_CHANGE_DURATION_S.
+    """
+    bend = START_CURVATURE_SHARE * limits.max_curvature
+    lateral = math.sqrt(QUINTIC_STEP_CURVATURE * offset / bend)
+    turning = QUINTIC_TURN_CURVATURE * error / bend
+    comfortable = speed * LANE_CHANGE_DURATION_S * min(offset / width, 1.0)
+    return min(max(MIN_START_BLEND_M, lateral, turning, comfortable), MAX_START_BLEND_M)

@@ -1,0 +1,120 @@
+"""Polygons and parked vehicles in a real simulation: who is a body, who is a point of O_S, and nobody twice."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import shapely
+from net_recipes import converted
+
+from sumo_reactive.parameters import OUTLINE_STEP_M, STATIC_SIGHT_M
+from sumo_reactive.sumo.static_obstacles import hull_of, outline
+
+NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="500" y="0"/></nodes>'
+EDGES = '<edges><edge id="ab" from="a" to="b" numLanes="1" speed="13.9"/></edges>'
+ADDITIONAL = """<additional>
+<poly id="block" type="obstacle" shape="100,-2.5 101,-2.5 101,-0.5 100,-0.5"/>
+<poly id="chain" type="obstacle" shape="110,-3 110,-1"/>
+<poly id="house" type="building" shape="100,20 104,20 104,30"/>
+<poly id="far" type="obstacle" shape="480,-2.5 481,-2.5 481,-0.5 480,-0.5"/>
+<parkingArea id="bay" lane="ab_0" startPos="150" endPos="180" roadsideCapacity="3"/>
+<parkingArea id="kerb" lane="ab_0" startPos="185" endPos="205" roadsideCapacity="2" onRoad="true"/>
+</additional>"""
+ROUTES = """<routes><vType id="car" length="5" width="1.8"/>
+<vehicle id="long" type="car" depart="0" departPos="stop"><route edges="ab"/>
+  <stop parkingArea="bay" duration="99"/></vehicle>
+<vehicle id="kerbed" type="car" depart="0" departPos="stop"><route edges="ab"/>
+  <stop parkingArea="kerb" duration="99"/></vehicle>
+<vehicle id="late" type="car" depart="0" departPos="50"><route edges="ab"/>
+  <stop lane="ab_0" endPos="80" parking="true" duration="8"/></vehicle>
+<vehicle id="halted" type="car" depart="0" departPos="225"><route edges="ab"/>
+  <stop lane="ab_0" endPos="230" duration="99"/></vehicle>
+</routes>"""
+
+WATCH = """
+import json, sys, libsumo
+from sumo_reactive.sumo.static_obstacles import StaticObstacles
+net, routes, more, kind = sys.argv[1:]
+libsumo.start(["sumo", "-n", net, "-r", routes, "-a", more, "--no-step-log", "--no-warnings"])
+for _ in range(6):
+    libsumo.simulationStep()
+seen, steps = StaticObstacles(kind), []
+for _ in range(30):
+    near = seen.near(120.0, -1.6)
+    users = [[u.id, u.x, u.y, u.heading, u.speed, u.lane_id, u.is_halted, u.body.length, u.body.width] for u in near.users]
+    steps.append({"users": users, "points": near.points.tolist(), "on_lane": libsumo.lane.getLastStepVehicleIDs("ab_0")})
+    libsumo.simulationStep()
+print(json.dumps(steps))
+"""
+
+
+def watched(folder, kind="obstacle") -> list[dict]:
+    """What is seen from the road's middle in each of 30 steps, in a process of its own."""
+    routes, more = folder / "cars.rou.xml", folder / "more.add.xml"
+    routes.write_text(ROUTES)
+    more.write_text(ADDITIONAL)
+    arguments = [str(converted(folder, NODES, EDGES)), str(routes), str(more), kind]
+    done = subprocess.run([sys.executable, "-c", WATCH, *arguments], check=True, capture_output=True, text=True, timeout=60)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def steps(tmp_path_factory):
+    return watched(tmp_path_factory.mktemp("obstacles"))
+
+
+def box(points, x0: float, x1: float, y0: float, y1: float) -> np.ndarray:
+    """The points inside a box, and nearly on its rim."""
+    p = np.array(points).reshape(-1, 2)
+    return p[(p[:, 0] > x0 - 0.1) & (p[:, 0] < x1 + 0.1) & (p[:, 1] > y0 - 0.1) & (p[:, 1] < y1 + 0.1)]
+
+
+def test_polygons_of_the_type_stand_as_bodies_that_look_along_the_road_and_others_do_not(steps):
+    users = {user[0]: user[1:] for user in steps[0]["users"]}
+    assert set(users) == {"polygon:block", "polygon:chain"}
+    assert users["polygon:block"] == pytest.approx([101.0, -1.5, 0.0, 0.0, "", True, 1.0, 2.0], abs=1e-9)
+
+
+def test_a_polygon_that_is_but_a_line_gets_a_little_width(steps):
+    (chain,) = [user for user in steps[0]["users"] if user[0] == "polygon:chain"]
+    assert chain[-2:] == pytest.approx([0.1, 2.1])
+
+
+def test_the_type_is_configurable(tmp_path):
+    first = watched(tmp_path, "building")[0]
+    assert [user[0] for user in first["users"]] == ["polygon:house"]
+
+
+def test_a_vehicle_parked_beside_the_road_is_points_on_its_outline(steps):
+    for step in steps:
+        points = box(step["points"], 165.0, 170.0, -5.7, -3.9)
+        assert len(points) >= (5.0 + 1.8) * 2.0 / OUTLINE_STEP_M
+        assert [*points.min(axis=0), *points.max(axis=0)] == pytest.approx([165.0, -5.7, 170.0, -3.9])
+
+
+def test_a_vehicle_counts_from_the_step_in_which_it_parks_until_it_is_on_the_lane_again(steps):
+    parked = [len(box(step["points"], 75.0, 80.0, -5.7, -3.9)) > 0 for step in steps]
+    on_lane = ["late" in step["on_lane"] for step in steps]
+    assert any(parked)
+    assert parked == [not there for there in on_lane]
+
+
+def test_vehicles_that_stand_on_the_lane_are_seen_there_and_are_no_points(steps):
+    for step in steps:
+        assert {"halted", "kerbed"} <= set(step["on_lane"])
+        assert not len(box(step["points"], 185.0, 240.0, -3.2, 0.0))
+
+
+def test_what_is_far_is_left_out(steps):
+    points = np.array(steps[0]["points"])
+    assert np.abs(points - (120.0, -1.6)).max() < STATIC_SIGHT_M
+
+
+@pytest.mark.parametrize("shape", [[(1.0, 2.0)], [(0.0, 0.0), (3.0, 4.0)], [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)]])
+def test_every_shape_has_an_outline_without_gaps(shape):
+    points = outline(hull_of(shape))
+    gaps = np.hypot(*np.diff(np.vstack((points, points[:1])), axis=0).T)
+    assert 0.0 < gaps.max() <= OUTLINE_STEP_M + 1e-9
+    assert shapely.Polygon(points).buffer(0.01).covers(shapely.MultiPoint(shape))
