@@ -48,6 +48,7 @@ class Reason(Enum):
     BLOCKED = "the way is blocked"
     SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"
     GAP_LOST = "the gap to pass is lost"
+    FOLLOWS = "somebody slower is ahead"
     NO_ROOM_TO_PASS = "somebody ahead is slow or has halted, and there is no gap to pass"
     NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"
 

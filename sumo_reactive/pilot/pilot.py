@@ -123,15 +123,19 @@ def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing:
         instruction=RULES[behaviour].instruction(situation),
         stop=situation.stop,
         request=Request(Replanning.CURVE, changing.side) if changing.side else Request(),
-        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_no_room(situation)),
+        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation)),
         memory=situation.memory._replace(overtaking=None),
     )
 
 
-def _no_room(situation: Situation) -> tuple[Decision, ...]:
-    """Say why X is not passed, if there is reason to: whom or what the simulated pass met."""
+def _behind(situation: Situation) -> tuple[Decision, ...]:
+    """Say that the ego follows X, and why X is not passed, if there is reason to: whom or what the simulated pass met."""
     x, proof = situation.ahead_of_ego, situation.proof
-    if x is None or proof is None or proof.aside is not None:
+    if x is None or situation.memory.overtaking is not None or not overtaking.follows_x(situation):
+        return ()
+    if proof is None:
+        return (Decision(Behaviour.NORMAL, Reason.FOLLOWS, cause=x.user.id, passes=True),)
+    if proof.aside is not None:
         return ()
     return (Decision(Behaviour.OVERTAKING, Reason.NO_ROOM_TO_PASS, region=proof.obstacle, cause=x.user.id),)
 

@@ -132,6 +132,10 @@ REASONS: dict[Reason, Wording] = {
         "gives up passing, since {cause} takes the gap",
         "goes on passing although {cause} takes the gap",
     ),
+    Reason.FOLLOWS: Wording(
+        "keeps behind {cause}",
+        "follows {cause}, which is slower than the road allows",
+    ),
     Reason.NO_ROOM_TO_PASS: Wording(
         "keeps behind {cause}, which is slow or has halted, since there is no gap to pass ({region})",
         "passes {cause} although the gap is short",
