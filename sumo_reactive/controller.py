@@ -88,12 +88,12 @@ class Controller:
     def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
         snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class)
         completed, memory = self._completed(snapshot, traffic, drive)
-        drive = replace(drive, memory=memory, completed=completed.held())
+        held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
             s = self._place(ego, drive.plan, snapshot.s)
-            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=s))
+            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=s, memory=memory, completed=held_plan))
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
         held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
@@ -102,7 +102,7 @@ class Controller:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
         s = self._place(execution.state, drive.plan, snapshot.s)
         until = traffic.time + held
-        after = replace(drive, ego=execution.state, s=s, valley=valley, last=execution, held_until=until)
+        after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until)
         return Step(snapshot, completed, execution, after)
 
     def _completed(self, snapshot: Snapshot, traffic: Traffic, drive: Drive) -> tuple[CompletedPlan, PilotMemory]:

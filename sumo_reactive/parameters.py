@@ -235,7 +235,7 @@ BEHAVIOUR_TOLERANCE = 1.0
 OFF_NOMINAL_SPEED = 3.0
 """m/s; "v far from nominal" (F&L 1991, §2): a fifth of city speed."""
 
-TRUST_S = 0.3
+TRUST_S = 0.4
 """Near an intersection, and while a gap is sought, the others are foreseen anew after this long…"""
 
 TRUST_AHEAD_S = 1.0
@@ -247,7 +247,7 @@ DELAY_STEP_S = 5.0
 NO_PROGRESS_S = 20.0
 """An ego that has not come on for this long, though nobody has the right to block it, looks for an escape."""
 
-PROGRESS_M = 1.0
+PROGRESS_M = 3.0
 """Coming on means this far."""
 
 ASSESSED_S = 8.0

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.compilation import kernel
 from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_STEP, PAPER_STEERING_SPEED
 from sumo_reactive.vehicle.limits import VehicleLimits
 
@@ -58,17 +59,25 @@ def fine_grid(
     Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one as far as
     that jerk allows, three brake ever harder. Steering rates lie around `steering`, the rate that C asks for.
     """
-    change = COMFORT_JERK * period
-    near = acceleration + change * _JERK_LEVELS
-    best = min(max(wanted, gentlest_brake(acceleration, period)), acceleration + change)
-    hard = (limits.service_deceleration, 0.5 * (limits.service_deceleration + limits.emergency_deceleration))
-    nodes = np.array([*near, best, -hard[0], -hard[1], -limits.emergency_deceleration])
-    top = steering_rate_limit(limits, speed)
+    accelerations, rates = _fine_axes(
+        acceleration, wanted, steering, steering_rate_limit(limits, speed), COMFORT_JERK * period,
+        limits.service_deceleration, limits.emergency_deceleration, limits.max_acceleration,
+    )  # fmt: skip
+    return CommandGrid(accelerations, rates)
+
+
+@kernel
+def _fine_axes(
+    acceleration: float, wanted: float, steering: float, top: float, change: float, service: float, emergency: float,
+    most: float,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return both axes of the fine grid; `change` (m/s²) is what the comfortable jerk allows, `top` φ̇max (rad/s)."""
+    nodes = np.empty(9)
+    nodes[:5] = acceleration + change * _JERK_LEVELS
+    nodes[5] = min(max(wanted, min(acceleration, 0.0) - change), acceleration + change)
+    nodes[6], nodes[7], nodes[8] = -service, -0.5 * (service + emergency), -emergency
     rates = min(max(steering, -top), top) + top * _STEERING_LEVELS
-    return CommandGrid(
-        np.minimum(np.maximum(nodes, -limits.emergency_deceleration), limits.max_acceleration),
-        np.minimum(np.maximum(rates, -top), top),
-    )
+    return np.minimum(np.maximum(nodes, -emergency), most), np.minimum(np.maximum(rates, -top), top)
 
 
 def wide_grid(limits: VehicleLimits) -> CommandGrid:

@@ -18,18 +18,16 @@ from sumo_reactive.world.road_graph import RoadGraph
 
 Array = NDArray[np.float64]
 
-_POINTS = round(FORECAST_REACH_M / PATH_STEP_M)
 
-
-def foresee(graph: RoadGraph, users: tuple[RoadUser, ...]) -> Forecast:
-    """Return the paths of `users`; both branches, or all, where a route is unknown (F&L 1991, §2)."""
+def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> Forecast:
+    """Return the paths of `users` for `duration` s; both branches, or all, where a route is unknown (F&L 1991, §2)."""
     ids: list[str] = []
     chunks: list[Array] = []
     bodies: list[tuple[float, ...]] = []
     for user in users:
         for path in _paths_of(graph, user):
             at = min(max(int(user.lane_position / PATH_STEP_M), 0), len(path) - 2)
-            near = path[at : at + _POINTS]
+            near = path[at : at + 3 + int(user.speed * duration / PATH_STEP_M)]
             ids.append(user.id)
             chunks.append(near)
             limit = graph.lanes[user.lane_id].speed_limit if user.lane_id else 0.0

@@ -6,23 +6,28 @@ from sumo_reactive.messages.forecast import Outlook
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M
+from sumo_reactive.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S
 from sumo_reactive.perception.beside import lanes_beside
 from sumo_reactive.perception.foresee import foresee
 from sumo_reactive.world.road_graph import RoadGraph
 
 
 def outlook(traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph) -> Outlook:
-    """Return the forecast of all whom the ego could meet, and the lanes beside it."""
+    """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), and the lanes
+    beside it if there is anybody to pass."""
     front = snapshot.front
-    users = traffic.users if traffic.sight > 0.0 else tuple(u for u in traffic.users if _may_meet(u, snapshot))
-    beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M))
+    users, duration = (traffic.users, OVERTAKING_S) if traffic.sight > 0.0 else (_concerned(snapshot), ASSESSED_S)
+    passing = snapshot.on_path or plan.aside
+    beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M)) if passing else ()
     here = next((segment for segment in plan.segments if front < segment.end), None)
     width = graph.lanes[here.lane_id].width if here else 0.0
-    return Outlook(foresee(graph, users), beside, width, max(traffic.sight, ATTENTION_MIN_AHEAD_M))
+    return Outlook(foresee(graph, users, duration), beside, width, max(traffic.sight, ATTENTION_MIN_AHEAD_M))
 
 
-def _may_meet(user: RoadUser, snapshot: Snapshot) -> bool:
-    """Whether a user is near enough to touch the ego within the time that is assessed."""
-    pose, reach = snapshot.ego.pose, ASSESSED_S * (snapshot.ego.speed + user.speed) + ATTENTION_MIN_AHEAD_M / 2
-    return abs(user.x - pose.x) < reach and abs(user.y - pose.y) < reach
+def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
+    """Return who stands or drives on the ego's way, who can reach a region on it, who is beside a lane change: each once."""
+    users = {obstacle.user.id: obstacle.user for obstacle in snapshot.on_path}
+    users.update((foe.user.id, foe.user) for foe in snapshot.foes)
+    users.update((neighbour.user.id, neighbour.user) for neighbour in snapshot.neighbours)
+    pose, reach = snapshot.ego.pose, ASSESSED_S * snapshot.ego.speed + ATTENTION_MIN_AHEAD_M / 2
+    return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + ASSESSED_S * u.speed))

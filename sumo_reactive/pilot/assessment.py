@@ -168,15 +168,27 @@ def assess(
 
 def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Array:
     """The speed of each path (k,), m/s; NaN where its user need not be looked at."""
-    speeds = np.array(forecast.bodies[:, 2])
-    if not len(speeds):
-        return speeds
     pose = snapshot.ego.pose
     middle = limits.front_to_rear_axle - 0.5 * limits.length
-    at = forecast.points[forecast.first]
-    ahead = (at[:, 0] - pose.x) * math.cos(pose.heading) + (at[:, 1] - pose.y) * math.sin(pose.heading)
-    along = np.cos(at[:, 2] - pose.heading)
-    behind = (ahead + forecast.bodies[:, 0] * along < middle) & (along > 0.5)
-    ignored = np.array([user_id in trusted for user_id in forecast.user_ids])
-    speeds[behind | ignored] = np.nan
+    speeds = speeds_ahead(forecast.points, forecast.first, forecast.bodies, pose.x, pose.y, pose.heading, middle)
+    for k, user_id in enumerate(forecast.user_ids):
+        if user_id in trusted:
+            speeds[k] = math.nan
+    return speeds
+
+
+@kernel
+def speeds_ahead(
+    points: Array, first: NDArray[np.int64], bodies: Array, x: float, y: float, heading: float, middle: float
+) -> Array:
+    """Return the speed of each path (k,), m/s, NaN for those who follow: their front is behind the ego's middle, which is
+    `middle` m ahead of its rear axle at (x, y)."""
+    c, s = math.cos(heading), math.sin(heading)
+    speeds = bodies[:, 2].copy()
+    for k in range(len(first)):
+        px, py, ph = points[first[k], 0], points[first[k], 1], points[first[k], 2]
+        along = math.cos(ph - heading)
+        ahead = (px - x) * c + (py - y) * s + bodies[k, 0] * along
+        if along > 0.5 and ahead < middle:
+            speeds[k] = np.nan
     return speeds

@@ -47,12 +47,18 @@ def detect(
     return tuple(found)
 
 
-def premises_of(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, is_watchful: bool) -> Premises:
-    """Return what a decision made now rests on; `is_watchful`: it rests on the others' motion from moment to moment."""
+def premises_of(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, *, is_watchful: bool, is_settled: bool
+) -> Premises:
+    """Return what a decision made now rests on.
+
+    `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
+    """
     stages = _stages(snapshot, plan, ahead)
     is_seeking = pending(snapshot, plan) is not None
     near = is_watchful or is_seeking or any(stage[0] not in (FAR, LEFT) for stage in stages)
     trust = TRUST_S if near else TRUST_AHEAD_S
+    watches = snapshot.foes or is_watchful or is_seeking
     return Premises(
         plan=plan,
         time=snapshot.time,
@@ -63,7 +69,7 @@ def premises_of(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, is_watchful
         is_standing=snapshot.ego.speed < STANDING_SPEED,
         is_off_nominal=_is_off_nominal(snapshot, plan),
         is_seeking=is_seeking,
-        trusted_until=snapshot.time + trust if snapshot.foes or is_watchful or is_seeking else math.inf,
+        trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
 
 

@@ -32,6 +32,10 @@ _UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reaso
 """Stops that no assessment can put off."""
 
 
+_SETTLED = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.SCHEDULED_STOP)
+"""An ego that stands for one of these need not watch the others."""
+
+
 class Style(NamedTuple):
     """How the pilot works: the paper's coefficients or the default ones, and what becomes of delays."""
 
@@ -95,7 +99,9 @@ def decide(
     if completed.request.what is Replanning.NOTHING:
         completed = replace(completed, request=Request(asks))
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight)
-    memory = memory._replace(behaviour=behaviour, premises=premises_of(snapshot, plan, ahead, watchful))
+    settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
+    premises = premises_of(snapshot, plan, ahead, is_watchful=watchful, is_settled=settled)
+    memory = memory._replace(behaviour=behaviour, premises=premises)
     return replace(completed, time_constraints=constraints), memory
 
 

@@ -3,11 +3,17 @@
 import pytest
 from helpers.situations import before
 
+from sumo_reactive.perception.beside import lanes_beside
+
 THREE_LANES = ("road_before_exit", "road_after_exit")
 
 
+def lanes(ego):
+    return tuple(lanes_beside(ego.graph, ego.plan, ego.seen().front, 300.0))
+
+
 def beside(network, route, away=300.0, lane=0):
-    return before(network, route, away, 10.0, lane=lane).outlook().beside
+    return lanes(before(network, route, away, 10.0, lane=lane))
 
 
 def test_on_a_road_of_two_lanes_the_oncoming_one_is_beside():
@@ -18,7 +24,7 @@ def test_on_a_road_of_two_lanes_the_oncoming_one_is_beside():
 
 def test_it_runs_beside_as_far_as_the_edge_does():
     ego = before("blocked_lane", ("eastbound", "eastbound_out"), 200.0, 10.0)
-    (found,) = [lane for lane in ego.outlook().beside if lane.lane_id == "westbound_0"]
+    (found,) = [lane for lane in lanes(ego) if lane.lane_id == "westbound_0"]
     assert found.end == pytest.approx(ego.plan.passages[0].start, abs=0.1)
     assert found.start <= ego.seen().front
 
@@ -37,7 +43,7 @@ def test_nothing_is_beside_the_leftmost_lane_of_a_one_way_road():
 def test_inside_a_junction_no_lane_is_beside():
     ego = before("four_way_priority", ("from_south", "to_north"), 20.0, 8.0)
     passage = ego.plan.passages[0]
-    assert all(lane.end <= passage.start + 1.0 or lane.start >= passage.end - 1.0 for lane in ego.outlook().beside)
+    assert all(lane.end <= passage.start + 1.0 or lane.start >= passage.end - 1.0 for lane in lanes(ego))
 
 
 def test_the_outlook_knows_the_width_of_the_egos_own_lane_and_how_far_it_has_looked():
@@ -46,9 +52,16 @@ def test_the_outlook_knows_the_width_of_the_egos_own_lane_and_how_far_it_has_loo
     assert (ego.outlook().sight, ego.outlook(sight=600.0).sight) == (60.0, 600.0)
 
 
-def test_with_far_sight_all_are_foreseen_and_else_only_who_could_be_met():
+def test_with_far_sight_all_are_foreseen_and_else_only_who_is_on_the_way():
     ego = before("two_way_road", ("eastbound", "eastbound_out"), 620.0, 8.5)
     far = ego.other("far", "westbound_0", 150.0, 20.0, ("westbound", "westbound_out"))
     near = ego.other("near", "westbound_0", -150.0, 20.0, ("westbound", "westbound_out"))
     assert ego.outlook(far, near, sight=600.0).forecast.user_ids == ("far", "near")
-    assert ego.outlook(far, near).forecast.user_ids == ("near",)
+    assert ego.outlook(far, near).forecast.user_ids == ()
+
+
+def test_lanes_are_looked_for_beside_somebody_who_is_in_the_way():
+    ego = before("blocked_lane", ("eastbound", "eastbound_out"), 200.0, 10.0)
+    x = ego.other("x", "eastbound_0", -160.0, 0.0, ("eastbound", "eastbound_out"))
+    assert ego.outlook().beside == ()
+    assert ego.outlook(x).beside[0].lane_id == "westbound_0"

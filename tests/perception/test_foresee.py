@@ -10,6 +10,8 @@ from helpers.situations import before
 from sumo_reactive.parameters import PATH_STEP_M
 from sumo_reactive.perception.foresee import foresee, paths_ahead
 
+SECONDS = 40.0
+"""Long enough for every car here to come to the end of its path."""
 LANE = "from_east_0"
 
 
@@ -24,20 +26,20 @@ def ends(forecast) -> list[tuple[float, float]]:
 
 
 def test_without_others_there_is_nothing_to_foresee(ego):
-    forecast = foresee(ego.graph, ())
+    forecast = foresee(ego.graph, (), SECONDS)
     assert (forecast.user_ids, len(forecast.points), len(forecast.bodies)) == ((), 0, 0)
 
 
 def test_who_tells_his_route_has_one_path_that_follows_it(ego):
     for target in ("to_west", "to_north", "to_south"):
-        forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ("from_east", target)),))
+        forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ("from_east", target)),), SECONDS)
         assert forecast.user_ids == ("x",)
         last = ego.graph.lanes[f"{target}_0"].spine.points[-1]
         assert math.dist(ends(forecast)[0], last) < PATH_STEP_M
 
 
 def test_an_unknown_route_has_a_path_for_each_way_out(ego):
-    forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ()),))
+    forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ()),), SECONDS)
     targets = {way.to_lane for way in ego.graph.outgoing[LANE] if way.to_lane in ego.graph.lanes and not way.is_crossing}
     assert len(targets) >= 3
     assert set(forecast.user_ids) == {"x"}
@@ -47,14 +49,14 @@ def test_an_unknown_route_has_a_path_for_each_way_out(ego):
 
 def test_who_is_inside_a_junction_follows_his_connection_to_its_end(ego):
     part = ego.graph.connections["from_west_0->to_east_0"].parts[0]
-    forecast = foresee(ego.graph, (ego.other("x", part, 5.0, 8.0, ()),))
+    forecast = foresee(ego.graph, (ego.other("x", part, 5.0, 8.0, ()),), SECONDS)
     assert len(forecast.user_ids) == 1
     assert math.dist(ends(forecast)[0], ego.graph.lanes["to_east_0"].spine.points[-1]) < PATH_STEP_M
 
 
 def test_who_is_on_an_unknown_lane_has_no_path(ego):
     lost = ego.other("x", LANE, -20.0, 8.0, ())._replace(lane_id="nowhere_0")
-    assert foresee(ego.graph, (lost,)).user_ids == ()
+    assert foresee(ego.graph, (lost,), SECONDS).user_ids == ()
     assert paths_ahead(ego.graph, "nowhere_0", ()) == ()
 
 
@@ -62,7 +64,7 @@ def test_who_is_on_an_unknown_lane_has_no_path(ego):
 def test_a_path_begins_where_the_front_bumper_is(ego, beside):
     x = ego.other("x", LANE, -21.3, 8.0, ("from_east", "to_west"))
     x = x._replace(x=x.x - beside * math.sin(x.heading), y=x.y + beside * math.cos(x.heading))
-    forecast = foresee(ego.graph, (x,))
+    forecast = foresee(ego.graph, (x,), SECONDS)
     (body,) = forecast.bodies
     px, py, heading = forecast.points[0]
     c, w = math.cos(heading), math.sin(heading)
@@ -72,7 +74,7 @@ def test_a_path_begins_where_the_front_bumper_is(ego, beside):
 
 
 def test_a_path_carries_speed_size_and_speed_limit(ego):
-    forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ("from_east", "to_west")),))
+    forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ("from_east", "to_west")),), SECONDS)
     limit = ego.graph.lanes[LANE].speed_limit
     assert forecast.bodies[0, 2:] == pytest.approx([8.0, BODY.length, BODY.width, limit])
 
@@ -89,7 +91,7 @@ def test_the_points_of_a_path_are_evenly_spaced_and_head_along_it(ego):
 
 def test_several_users_keep_their_paths_apart(ego):
     users = (ego.other("a", LANE, -20.0, 8.0, ()), ego.other("b", "from_west_0", -20.0, 9.0, ("from_west", "to_east")))
-    forecast = foresee(ego.graph, users)
+    forecast = foresee(ego.graph, users, SECONDS)
     assert set(forecast.user_ids) == {"a", "b"}
     assert int(forecast.counts.sum()) == len(forecast.points)
     for user in users:

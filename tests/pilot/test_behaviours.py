@@ -107,10 +107,15 @@ def test_overtaking_does_not_begin_where_there_is_no_lane_to_pass_on():
 def test_on_a_road_of_several_lanes_the_ego_overtakes_on_the_next_one():
     ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, SLOW).late_by(3.0)
     x = ego.ahead("x", 10.5, SLOW)
-    assert overtaking.RULE.may_begin(ego.considered(x))
+    assert overtaking.RULE.may_begin(ego.considered(x, sight=FAR))
     beside = ego.other("beside", "road_before_exit_1", x.lane_position - 5.0, SLOW, ())
-    assert forbids(ego.considered(x, beside)) == "beside"
-    assert not overtaking.RULE.may_begin(ego.considered(x, beside))
+    assert forbids(ego.considered(x, beside, sight=FAR)) == "beside"
+    assert not overtaking.RULE.may_begin(ego.considered(x, beside, sight=FAR))
+
+
+def test_overtaking_does_not_begin_before_the_ego_has_looked_far():
+    ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, SLOW).late_by(3.0)
+    assert not overtaking.RULE.may_begin(ego.considered(ego.ahead("x", 10.5, SLOW)))
 
 
 @pytest.mark.parametrize(("away", "is_proven"), [(100.0, False), (300.0, False), (500.0, True)])

@@ -13,6 +13,7 @@ from sumo_reactive.parameters import (
     FOLLOWING_S,
     HALTED_AHEAD_S,
     OFF_CURVE_EPSILON_M,
+    OVERTAKING_SIGHT_M,
     SETTLED_SPEED,
     SLOW_SHARE,
     SLOWER_BY,
@@ -75,6 +76,11 @@ def is_legal(situation: Situation) -> bool:
     return lateral != 0.0 and legal_end(situation, target, lane) > x.end
 
 
+def has_looked(situation: Situation) -> bool:
+    """M has looked far enough along the road, at all who are on it."""
+    return situation.outlook.sight >= OVERTAKING_SIGHT_M
+
+
 def gap_is_proven(situation: Situation) -> bool:
     """The simulated manoeuvre meets nobody, out, past X and back."""
     return situation.proof is not None and situation.proof.aside is not None
@@ -98,7 +104,7 @@ def instruct(situation: Situation) -> Instruction:
 
 
 RULE = BehaviourRule(
-    Behaviour.OVERTAKING, (follows_x, has_settled, is_late, is_legal, gap_is_proven), instruct, (is_back,)
+    Behaviour.OVERTAKING, (follows_x, has_settled, is_late, is_legal, has_looked, gap_is_proven), instruct, (is_back,)
 )
 
 
@@ -117,7 +123,7 @@ class Passing(NamedTuple):
 def try_out(situation: Situation) -> Proof | None:
     """Return the proof that X can be passed, or why not; None when nothing asks for it."""
     x = situation.ahead_of_ego
-    asks = (follows_x, has_settled, is_late, is_legal)
+    asks = (follows_x, has_settled, is_late, is_legal, has_looked)
     if x is None or situation.memory.overtaking is not None or not all(holds(situation) for holds in asks):
         return None
     return proof(situation, x)
