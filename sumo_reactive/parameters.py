@@ -45,6 +45,12 @@ PLAN_HORIZON_M = 2000.0
 LANE_CHANGE_ROOM_M = 40.0
 """Room that one lane change should find on an edge; a change with less costs more, so that the plan makes it earlier."""
 
+SHARED_OVERLAP_M = 0.7
+"""Lanes of opposite directions that overlap by more are one lane on the map: two cars of 1.8 m do not pass."""
+
+SHARED_LANE_COST = 3.0
+"""What such a lane costs, in lane changes."""
+
 LATE_LANE_CHANGE_LENGTH_M = 18.0
 """Length of the latest possible change on C: 1.5 times the minimum, for a car that has already slowed down."""
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 from sumo_reactive.errors import PlanError
-from sumo_reactive.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M
+from sumo_reactive.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
 from sumo_reactive.world.junction import Connection
 from sumo_reactive.world.lane import Lane
+from sumo_reactive.world.opposite import separation
 from sumo_reactive.world.road_graph import RoadGraph
 from sumo_reactive.world.route import Route, ScheduledStop
 
@@ -162,7 +164,17 @@ def _onward(
         ways = route_connections(graph, lane, following.lanes, vehicle_class)
         return min((ahead[graph.lanes[c.to_lane].index] for c in ways), default=BLOCKED)
 
-    return tuple(leave(k, lane) for k, lane in enumerate(stage.lanes))
+    def dear(outlook: Outlook, lane: Lane) -> Outlook:
+        return outlook._replace(cost=outlook.cost + SHARED_LANE_COST) if is_shared(graph, lane) else outlook
+
+    return tuple(dear(leave(k, lane), lane) for k, lane in enumerate(stage.lanes))
+
+
+@lru_cache(maxsize=8192)
+def is_shared(graph: RoadGraph, lane: Lane) -> bool:
+    """Whether the map draws an oncoming lane over `lane`: cars of both directions would stand before each other there."""
+    oncoming = graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ())
+    return any(separation(lane, other) < -SHARED_OVERLAP_M for other in oncoming[-1:])
 
 
 def _stages(graph: RoadGraph, route: Route) -> Iterator[Stage]:
