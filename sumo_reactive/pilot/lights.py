@@ -43,6 +43,11 @@ def signal(letter: str, to_line: float, speed: float, hardest: float) -> Signal:
     return Signal.STOP_THEN_GO if letter == "s" else Signal.GO
 
 
+def outranks(letter: str, other: str) -> bool:
+    """Whether traffic at `letter` goes before traffic at `other`: green before "stop, then go", full before permissive."""
+    return bool(letter and other) and ((letter in "Gg" and other == "s") or (letter == "G" and other in "go"))
+
+
 def holds_back(letter: str, to_line: float, speed: float) -> bool:
     """Whether a light keeps another car, `to_line` m before its line at `speed` m/s, out of the junction."""
     if to_line < 0.0:

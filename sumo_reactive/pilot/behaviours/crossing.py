@@ -19,7 +19,7 @@ from sumo_reactive.parameters import (
     WAIT_SHIFT_M,
 )
 from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, threat, travel_time
-from sumo_reactive.pilot.lights import holds_back, letter_of
+from sumo_reactive.pilot.lights import holds_back, letter_of, outranks
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Crossing
 from sumo_reactive.pilot.situation import BehaviourRule, Situation
@@ -72,6 +72,7 @@ def judge(
 
     The conflict-region rule: one vehicle at a time (F&L 1991, §2).
     """
+    foe = _by_letters(foe, crossing, snapshot)
     region, front = foe.conflict.region, snapshot.front
     to_region = crossing.at(region.own.start) - front
     to_clear = crossing.at(region.own.end) + limits.length - front
@@ -86,6 +87,17 @@ def judge(
     may_follow = committed or _is_certain(foe) or crossing.passage.start - front > ENTERING_M
     passes = is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
     return Judgement(_reason(foe), foe, passes, own, other)
+
+
+def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
+    """Return the foe with the right of way that the lights' letters leave between paths that yield to each other."""
+    conflict = foe.conflict
+    if not (conflict.must_yield and conflict.is_yielded_to):
+        return foe
+    own, theirs = letter_of(crossing.connection, snapshot), letter_of(conflict.other, snapshot)
+    if outranks(own, theirs):
+        return foe._replace(conflict=conflict._replace(must_yield=False))
+    return foe._replace(conflict=conflict._replace(is_yielded_to=False)) if outranks(theirs, own) else foe
 
 
 def _is_certain(foe: Foe) -> bool:
