@@ -409,6 +409,9 @@ MAP_SIDE_M = 100.0
 SLOT_HEADWAY_S = 0.4
 """Time headway to the vehicle on the other lane behind which the ego falls in."""
 
+BRAKING_SHARE = 0.8
+"""Share of the way to the hard margin within which a late stop is planned, where the comfortable margin is used up."""
+
 COMFORT_EXCESS = 1.2
 """Braking harder than this times the comfortable one may jerk."""
 

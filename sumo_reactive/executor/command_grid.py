@@ -56,8 +56,8 @@ def fine_grid(
 ) -> CommandGrid:
     """A 9 × 9 grid that is fine where the ego is and reaches everything it can do.
 
-    Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one as far as
-    that jerk allows, three brake ever harder. Steering rates lie around `steering`, the rate that C asks for.
+    Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one, three brake
+    ever harder. Steering rates lie around `steering`, the rate that C asks for.
     """
     accelerations, rates = _fine_axes(
         acceleration, wanted, steering, steering_rate_limit(limits, speed), COMFORT_JERK * period,
@@ -74,7 +74,7 @@ def _fine_axes(
     """Return both axes of the fine grid; `change` (m/s²) is what the comfortable jerk allows, `top` φ̇max (rad/s)."""
     nodes = np.empty(9)
     nodes[:5] = acceleration + change * _JERK_LEVELS
-    nodes[5] = min(max(wanted, min(acceleration, 0.0) - change), acceleration + change)
+    nodes[5] = min(wanted, acceleration + change)
     nodes[6], nodes[7], nodes[8] = -service, -0.5 * (service + emergency), -emergency
     rates = min(max(steering, -top), top) + top * _STEERING_LEVELS
     return np.minimum(np.maximum(nodes, -emergency), most), np.minimum(np.maximum(rates, -top), top)

@@ -20,6 +20,7 @@ from sumo_reactive.messages.snapshot import Neighbour, Snapshot
 from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
     BACK_UP_SPEED,
+    BRAKING_SHARE,
     COMFORT_EXCESS,
     HARD_STOP_MARGIN_M,
     SAFE_GAP_M,
@@ -70,12 +71,12 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     headway = limits.time_headway * profile.headway
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
-        room = max(away, 0.5 * (completed.stop.s - HARD_STOP_MARGIN_M - front))
+        room = max(away, BRAKING_SHARE * (completed.stop.s - HARD_STOP_MARGIN_M - front))
         braking = max(comfort, _needed(speed, 0.0, room, limits))
         best = min(best, max(stopping_speed(away, comfort, period), speed - braking * period))
     for leader in snapshot.leaders:
         gap = leader.s - front - limits.standstill_gap
-        room = max(gap, 0.5 * (leader.s - SAFE_GAP_M - front))
+        room = max(gap, BRAKING_SHARE * (leader.s - SAFE_GAP_M - front))
         braking = max(comfort, _needed(speed, leader.speed, room, limits))
         following = following_speed(gap, leader.speed, comfort, headway)
         best = min(best, max(following, speed - braking * period))

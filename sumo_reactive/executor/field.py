@@ -40,6 +40,12 @@ HOLD_PARTS = round(PAPER_CONTROL_PERIOD_S / CONTROL_PERIOD_S)
 MAP_STEERINGS = 2
 """Further steerings that U₁ of the bitmaps looks ahead: 1 s at δt = 0.5 s, a turn's entry."""
 
+HARSH_FROM = 0.1
+"""m/s; braking below the desired speed by more than this in one period…"""
+
+HARSHNESS = 20.0
+"""…counts so many times: it is for stopping in time, not for keeping to C."""
+
 MIN_MAP_SPEED = 2.0
 """m/s; …driven at least so fast, so that a standing car knows where to steer and may start beside C."""
 
@@ -148,6 +154,7 @@ def choose_command(
     terms = np.empty((n, 3))
     total = np.full(n, np.inf)
     hardest = int(np.argmin(accelerations))
+    fine = len(accelerations) > 3  # three accelerations have none between gentle and hard
     fallback, fallback_valley = -1, np.inf
     for k in range(n):
         q = next_states[k]
@@ -164,7 +171,8 @@ def choose_command(
         terms[k, 1] = 0.0
         terms[k, 2] = velocity_potential(q[3], wanted)
         if q[6] > 0.0:
-            total[k] = weights[0] * terms[k, 0] + weights[2] * terms[k, 2]
+            harsh = max(0.0, wanted - q[3] - HARSH_FROM) if fine else 0.0
+            total[k] = weights[0] * terms[k, 0] + weights[2] * (terms[k, 2] + HARSHNESS * harsh)
     shadowed = np.zeros(n, dtype=np.bool_)
     shadowed[:] = weights[1] <= 0.0 or len(boxes) == 0
     while True:
