@@ -81,11 +81,14 @@ SMOOTHING_PASSES = 9
 COMFORT_DEVIATION_M = 0.25
 """C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
 
-TURN_REACH_M = 14.0
-"""A turn too tight to steer is refitted this far on both sides: room to swing out and come back."""
+TURN_REACH = 2.8
+"""A turn too tight to steer is refitted this many turning radii on both sides: room to swing out and come back."""
 
-CURVATURE_MARGIN = 0.95
-"""Share of the car's curvature that C aims at; the executor needs the rest to correct errors."""
+MAX_STEERING_PER_M = 0.2
+"""rad/m; C turns the wheels no faster in a turn that was refitted: 0.8 rad/s at 4 m/s."""
+
+STEERING_MARGIN = 0.95
+"""Share of the largest steering angle that C aims at; the executor needs the rest to correct errors."""
 
 CURVE_RUNOUT_M = 10.0
 """C goes on straight this far behind the goal, so that points ahead of the car always exist."""
@@ -408,6 +411,12 @@ MAP_SIDE_M = 100.0
 
 SLOT_HEADWAY_S = 0.4
 """Time headway to the vehicle on the other lane behind which the ego falls in."""
+
+SPEED_SLACK = 0.5
+"""m/s above the road's speed that comfortable braking takes back…"""
+
+EXCESS_GAIN = 2.0
+"""…beyond it the ego brakes harder by this much per m/s (1/s)."""
 
 BRAKING_SHARE = 0.8
 """Share of the way to the hard margin within which a late stop is planned, where the comfortable margin is used up."""

@@ -22,10 +22,12 @@ from sumo_reactive.parameters import (
     BACK_UP_SPEED,
     BRAKING_SHARE,
     COMFORT_EXCESS,
+    EXCESS_GAIN,
     HARD_STOP_MARGIN_M,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
+    SPEED_SLACK,
     STEERING_GAIN,
     STOP_LINE_MARGIN_M,
     TIME_TOLERANCE_S,
@@ -67,7 +69,7 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     speed, front, profile = snapshot.ego.speed, snapshot.front, completed.tuning.profile
     comfort = limits.comfort_deceleration * profile.deceleration
     free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
-    best = max(free, speed - comfort * period)
+    best = max(free, speed - _easing(snapshot, completed, limits, comfort) * period)
     headway = limits.time_headway * profile.headway
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
@@ -86,6 +88,12 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
         following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
         best = min(best, max(following, speed - comfort * period))
     return max(best, 0.0)
+
+
+def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> float:
+    """Deceleration (m/s²) towards the road's speed: comfortable, harder where a bend comes that the ego is too fast for."""
+    excess = snapshot.ego.speed - completed.plan.road_speed(snapshot.s) - SPEED_SLACK
+    return min(comfort + EXCESS_GAIN * max(excess, 0.0), max(comfort, limits.service_deceleration))
 
 
 def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:

@@ -213,7 +213,7 @@ def _leaders(situation: Situation, x: Passed, lateral: float) -> Array:
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
     needed = (x.left if lateral > 0.0 else -x.right) + 0.5 * limits.width + CORRIDOR_MARGIN_M
     share = float(np.interp(needed / abs(lateral), _QUINTIC, _SHARES))
-    beside = snapshot.s + share * out if plan.aside is None else -math.inf
+    beside = snapshot.s + share * out if plan.aside is None else share * plan.joins
     table = leader_table(snapshot)
     is_x = [obstacle.user.id == x.user_id for obstacle in followed(snapshot)]
     table[is_x, 2] = beside

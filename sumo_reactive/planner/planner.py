@@ -79,7 +79,8 @@ def plan(
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
-    course = trajectory(reference, start.front_axle(limits.wheelbase), start.speed, start.speed_factor, limits, aside)
+    front = start.front_axle(limits.wheelbase)
+    course = trajectory(reference, front, start.speed, start.speed_factor, limits, aside, start.steering_angle)
     return _on_curve(reference, course, limits, start, left, aside)
 
 

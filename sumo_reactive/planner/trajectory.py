@@ -14,7 +14,6 @@ from sumo_reactive.geometry.curve import Curve
 from sumo_reactive.geometry.polyline import Points, Polyline, moved_aside
 from sumo_reactive.messages.plan import Aside, lateral_of
 from sumo_reactive.parameters import (
-    CURVATURE_MARGIN,
     CURVE_STEP_M,
     PLAN_HORIZON_M,
 )
@@ -58,10 +57,11 @@ def trajectory(
     speed_factor: float,
     limits: VehicleLimits,
     aside: Aside | None = None,
+    steering_angle: float = 0.0,
 ) -> Trajectory:
     """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference.
 
-    `aside` leads it beside the reference for a while.
+    `aside` leads it beside the reference for a while. `steering_angle` (rad) is the car's at the start.
     """
     centre = _centre_line(reference)
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
@@ -72,7 +72,7 @@ def trajectory(
     pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
-    fitted, index = turnable(fitted, line, curvature_of(fitted), CURVATURE_MARGIN * limits.max_curvature)
+    fitted, index = turnable(fitted, line, curvature_of(fitted), limits, steering_angle)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
     feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))

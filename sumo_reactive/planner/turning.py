@@ -1,6 +1,8 @@
-"""Turns that the car cannot steer: refitted by heading, so that C swings out where a tighter bend would be needed."""
+"""Turns that the car cannot steer: refitted by heading, so that C swings out where it would need a larger angle."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,13 +10,16 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
 from sumo_reactive.geometry.polyline import Points
-from sumo_reactive.parameters import CURVE_STEP_M, TURN_REACH_M
+from sumo_reactive.parameters import CURVE_STEP_M, MAX_STEERING_PER_M, STEERING_MARGIN, TURN_REACH
+from sumo_reactive.vehicle.limits import VehicleLimits
 
 Floats = NDArray[np.float64]
 
-ITERATIONS = 12
-CURVATURE_EXCESS_WEIGHT = 60.0
-"""Cost of 1/m too much, in metres of deviation: 0.01/m excess costs as much as 0.6 m."""
+ITERATIONS = 30
+STEERING_EXCESS_WEIGHT = 40.0
+"""Cost of 1 rad too much, in metres of deviation: 0.01 rad excess costs as much as 0.4 m."""
+STEERING_RATE_WEIGHT = 10.0
+"""Cost of 1 rad/m more than MAX_STEERING_PER_M, in metres of deviation."""
 CURVATURE_RATE_WEIGHT = 5.0
 """Cost of a change of curvature from sample to sample, per 1/m, in metres."""
 JOINT_WEIGHT = 100.0
@@ -24,30 +29,51 @@ SETTLED = 2e-3
 """Iterations end when no heading changes by more than this, rad."""
 
 
-def turnable(points: Points, line: Points, bend: Floats, max_curvature: float) -> tuple[Points, Floats]:
-    """Return `points` (n, 2) with turns tighter than `max_curvature` (1/m) refitted near `line` (n, 2).
+def turnable(
+    points: Points, line: Points, bend: Floats, limits: VehicleLimits, steering_angle: float = 0.0
+) -> tuple[Points, Floats]:
+    """Return `points` (n, 2) with turns that ask for more than the car's largest steering angle refitted near `line` (n, 2).
 
-    `bend` is the curvature (n,) of `points`. The second result (n,) is the index on `line` of each point, not whole
-    where a turn was refitted.
+    `bend` is the curvature (n,) of `points`, `steering_angle` (rad) the car's at the first. The second result (n,) is the
+    index on `line` of each point, not whole where a turn was refitted.
     """
     index = np.arange(len(points), dtype=np.float64)
-    reach = int(TURN_REACH_M / CURVE_STEP_M)
-    wide = maximum_filter1d(np.abs(bend) > max_curvature, 2 * reach + 1).astype(np.int8)
+    result, most = points.copy(), STEERING_MARGIN * limits.max_steering_angle
+    if not (np.abs(bend) > math.sin(most) / limits.wheelbase).any():  # then no angle grows beyond
+        return result, index
+    ways = np.diff(points, axis=0)
+    headings, steps = np.unwrap(np.arctan2(ways[:, 1], ways[:, 0])), np.hypot(*ways.T)
+    angles = steering_along(headings, steps, limits.wheelbase, steering_angle)
+    reach = int(TURN_REACH / limits.max_curvature / CURVE_STEP_M)
+    wide = maximum_filter1d(np.append(np.abs(angles), 0.0) > most, 2 * reach + 1).astype(np.int8)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], wide, [0]))))
-    result = points.copy()
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         part = slice(int(first), int(end))
         if end - first < 8:
             continue
-        result[part] = _refitted(points[part], line[part], max_curvature)
+        result[part] = _refitted(points[part], line[part], limits.wheelbase, most, float(angles[first]))
         index[part] = first + _nearest(result[part], line[part])
     return result, np.maximum.accumulate(index)
 
 
-def _refitted(points: Points, line: Points, max_curvature: float) -> Points:
-    """Return the turn `points` (m, 2) bent no tighter than `max_curvature` where its ends, held fixed, leave room.
+def steering_along(headings: Floats, steps: Floats, wheelbase: float, angle: float) -> Floats:
+    """Return the steering angle (n,), rad, with which the front axle takes `steps` (n,), m, along `headings` (n,).
 
-    Gauss–Newton on the headings of its steps and one common step length.
+    The body is drawn along: on a straight step tan(φ/2) falls by exp(−step/L). `angle` (rad) is φ on the first step.
+    """
+    found, before = np.empty(len(headings)), float(headings[0])
+    shrink = np.exp(-steps / wheelbase).tolist()
+    for k, heading in enumerate(headings.tolist()):
+        if k:
+            angle = 2.0 * math.atan(shrink[k - 1] * math.tan(0.5 * angle)) + heading - before
+        found[k], before = angle, heading
+    return found
+
+
+def _refitted(points: Points, line: Points, wheelbase: float, most: float, angle: float) -> Points:
+    """Return the turn `points` (m, 2) steered with at most `most` rad where its ends, held fixed, leave room.
+
+    Gauss–Newton on the headings of its steps and one common step length; `angle` (rad) is the steering angle at first.
     """
     headings, step = _stepped(points)
     first, last = headings[0], headings[-1]
@@ -56,7 +82,7 @@ def _refitted(points: Points, line: Points, max_curvature: float) -> Points:
         residual, jacobian = _deviation(places, line, headings, step)
         parts = (
             (residual, jacobian),
-            _excess(headings, step, max_curvature),
+            _excess(headings, step, wheelbase, most, angle),
             _bend_rate(headings, step),
             _joint(places[-1] - points[-1], headings, step, first, last),
         )
@@ -119,15 +145,34 @@ def _place_jacobian(headings: Floats, step: float, places: Points) -> Floats:
     return np.concatenate([turned, (places[1:] - places[0]).T[:, :, None]], axis=2)
 
 
-def _excess(headings: Floats, step: float, max_curvature: float) -> tuple[Floats, Floats]:
-    """Return residual (m − 2,) and Jacobian of the curvature beyond what the car can steer."""
-    bend = np.diff(headings) / step
-    over = np.maximum(np.abs(bend) - max_curvature, 0.0)
-    active = CURVATURE_EXCESS_WEIGHT * (over > 0.0)
-    rows = np.zeros((len(bend), len(headings) + 1))
-    k = np.arange(len(bend))
-    rows[k, k], rows[k, k + 1], rows[:, -1] = -active / step, active / step, -active * bend
-    return CURVATURE_EXCESS_WEIGHT * over * np.sign(bend), rows
+def _excess(headings: Floats, step: float, wheelbase: float, most: float, angle: float) -> tuple[Floats, Floats]:
+    """Return residual (2m − 3,) and Jacobian of the steering angle beyond `most` and its change beyond what is allowed.
+
+    `angle` is that of the first step, rad.
+    """
+    count = len(headings)
+    angles = steering_along(headings, np.full(count, step), wheelbase, angle)
+    shrink, half = math.exp(-step / wheelbase), np.tan(0.5 * angles)
+    kept = shrink * (1.0 + half**2) / (1.0 + (shrink * half) ** 2)
+    longer = -2.0 * step / wheelbase * shrink * half / (1.0 + (shrink * half) ** 2)
+    rows = np.zeros((count, count + 1))
+    for k in range(1, count):
+        rows[k] = kept[k - 1] * rows[k - 1]
+        rows[k, k] += 1.0
+        rows[k, k - 1] -= 1.0
+        rows[k, -1] += longer[k - 1]
+    return _beyond(
+        np.concatenate([angles, np.diff(angles) / step]),
+        np.vstack([rows, np.diff(rows, axis=0) / step]),
+        np.repeat([most, MAX_STEERING_PER_M], [count, count - 1]),
+        np.repeat([STEERING_EXCESS_WEIGHT, STEERING_RATE_WEIGHT], [count, count - 1]),
+    )
+
+
+def _beyond(values: Floats, rows: Floats, most: Floats, weight: Floats) -> tuple[Floats, Floats]:
+    """Return weighted residual and Jacobian of what `values` (k,), with Jacobian `rows`, exceed `most` by."""
+    over = weight * np.sign(values) * np.maximum(np.abs(values) - most, 0.0)
+    return over, rows * (weight * (over != 0.0))[:, None]
 
 
 def _bend_rate(headings: Floats, step: float) -> tuple[Floats, Floats]:
