@@ -25,6 +25,9 @@ OPPOSITE_SLACK_M = 1.0
 TAIL_REACH_M = 20.0
 """How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
 
+HOLD_BACK_REACH_M = 12.0
+"""Approach and exit lanes are looked at this far from the stop line for a place where they lie over each other."""
+
 MIN_TAIL_M = 2.0
 """Shorter parts are rounding of the map."""
 
@@ -38,6 +41,12 @@ CURVE_STEP_M = 0.5
 
 LANE_CHANGE_DURATION_S = 3.0
 """Time of a lane change at road speed."""
+
+FAST_CHANGE_SPEED = 15.0
+"""m/s; above it a lane change takes longer, for a road that bends leaves less of the lateral acceleration and jerk…"""
+
+FAST_CHANGE_GROWTH = 0.06
+"""…by this much per m/s (s²/m): 3.9 s at 30 m/s, with a lateral jerk of 60·3.5 m / T³ = 3.5 m/s³."""
 
 PLAN_HORIZON_M = 2000.0
 """C is planned this far ahead and prolonged before it runs out."""
@@ -60,7 +69,10 @@ LANE_CHANGE_CLEARANCE_M = 2.0
 MIN_START_BLEND_M = 8.0
 """Shortest transition from the car's pose to the lane's centre: about two car radii."""
 
-MAX_START_BLEND_M = 120.0
+MIN_STEP_LATERAL = 0.7
+"""m/s²; lateral acceleration that is left for a move aside in the tightest bend."""
+
+MAX_START_BLEND_M = 160.0
 """Longest transition from the car's pose: a lane change at 40 m/s."""
 
 START_CURVATURE_SHARE = 0.6
@@ -113,6 +125,12 @@ FRONT_OVERHANG_FRACTION = 0.18
 MAX_STEERING_ANGLE = 0.65
 """rad, φmax: a car of 5 m then turns with a front-axle radius of 5 m."""
 
+TURNING_CIRCLE_M = 12.5
+"""Radius of the circle within which every vehicle must turn (Directive 96/53/EC, Annex I); long ones steer farther…"""
+
+LONG_VEHICLE_STEERING_ANGLE = 0.9
+"""…up to this, rad: the steering lock of buses and trucks."""
+
 MAX_STEERING_RATE = 1.0
 """rad/s, φ̇max."""
 
@@ -134,7 +152,7 @@ ATTENTION_BEHIND_M = 90.0
 """How far back a lane is watched before changing onto it: 3 s at 30 m/s of closing speed."""
 
 CORRIDOR_MARGIN_M = 0.2
-"""Added to each side of the ego when it asks what stands in its way."""
+"""Added to each side of the ego when it asks what stands in its way, unless it sweeps more in a bend."""
 
 NEAR_M = 45.0
 """Users nearer than this cast U₂ and are tested for contact."""

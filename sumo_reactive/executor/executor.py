@@ -175,7 +175,9 @@ def execute(
     if nine_commands:
         grid = paper_grid(limits, ego.speed, period)
     else:
+        lock = limits.max_steering_angle
         steering = steering_rate_of_curve(snapshot, completed, limits, period)
+        steering = min(max(steering, (-lock - ego.steering_angle) / period), (lock - ego.steering_angle) / period)
         grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
     if completed.tuning.wide_grid:
         grid = wide_grid(limits)

@@ -77,3 +77,20 @@ def joined(parts: list[Points]) -> Points:
         meets = np.hypot(*(part[0] - kept[-1][-1])) < 1e-3
         kept.append(part[1:] if meets and len(part) > 1 else part)
     return np.vstack(kept)
+
+
+def cut(line: Polyline, start: float, end: float) -> Points:
+    """Return the part of `line` between two arc lengths, shape (n ≥ 2, 2), prolonged straight where they lie outside."""
+    arc, points = line.arc_lengths, line.points
+    inner = points[(arc > start + 1e-6) & (arc < end - 1e-6)]
+    return np.vstack([_point(line, start), inner, _point(line, end)])
+
+
+def _point(line: Polyline, s: float) -> Points:
+    """Return the point (2,) at arc length `s`, straight on beyond the ends."""
+    outside = s - min(max(s, 0.0), line.length)
+    point = np.array(line.at(s))
+    if outside == 0.0:
+        return point
+    heading = line.heading_at(s)
+    return np.asarray(point + outside * np.array([np.cos(heading), np.sin(heading)]))

@@ -3,13 +3,73 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.compilation import kernel
+from sumo_reactive.geometry.curve import Curve
+from sumo_reactive.parameters import CORRIDOR_MARGIN_M
+from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
+
+
+class Band(NamedTuple):
+    """How far the corridor reaches to the left and right of C at each sample (n,), and the farthest of all, m."""
+
+    left: Array
+    right: Array
+    widest: float
+
+
+@lru_cache(maxsize=4)
+def band_of(curve: Curve, limits: VehicleLimits) -> Band:
+    """Return the corridor that the body sweeps while the front axle follows C.
+
+    In a bend the rear axle cuts the inside and the front bumper swings to the outside.
+    """
+    half = 0.5 * limits.width
+    bend = float(curve.curvature[: int(limits.wheelbase / curve.step) + 1].mean())
+    angle = math.asin(min(max(bend * limits.wheelbase, -0.9), 0.9))  # as in a steady turn
+    left, right = _swept(
+        curve.x, curve.y, curve.heading, curve.step, float(curve.heading[0]) - angle, limits.wheelbase, limits.front_overhang
+    )
+    left, right = (half + np.maximum(side, CORRIDOR_MARGIN_M) for side in (left, right))
+    return Band(left, right, float(max(left.max(), right.max())))
+
+
+@kernel
+def _swept(
+    cx: Array, cy: Array, ch: Array, step: float, heading: float, wheelbase: float, overhang: float
+) -> tuple[Array, Array]:
+    """Return how far (n,), m, the middle of rear axle or front bumper passes to the left and to the right of each sample.
+
+    `heading` (rad) is the body's at the first. The rear axle is drawn along the body (F&L 1991, §3.1).
+    """
+    n = len(cx)
+    left, right = np.zeros(n), np.zeros(n)
+    rx, ry = cx[0] - wheelbase * math.cos(heading), cy[0] - wheelbase * math.sin(heading)
+    behind, ahead = int(wheelbase / step) + 1, int(overhang / step) + 1
+    for i in range(n):
+        dx, dy = cx[i] - rx, cy[i] - ry
+        away = math.hypot(dx, dy)
+        rx, ry = cx[i] - wheelbase * dx / away, cy[i] - wheelbase * dy / away
+        if abs(dx * math.sin(ch[i]) - dy * math.cos(ch[i])) < 0.02 * away:  # straight: the body stays on C
+            continue
+        bx, by = cx[i] + overhang * dx / away, cy[i] + overhang * dy / away
+        for px, py, first, last in ((rx, ry, i - behind, i), (bx, by, i, i + ahead)):
+            nearest, least = i, np.inf
+            for j in range(max(first, 0), min(last, n - 1) + 1):
+                squared = (cx[j] - px) ** 2 + (cy[j] - py) ** 2
+                if squared < least:
+                    nearest, least = j, squared
+            aside = (py - cy[nearest]) * math.cos(ch[nearest]) - (px - cx[nearest]) * math.sin(ch[nearest])
+            for j in range(max(nearest - 1, 0), min(nearest + 1, n - 1) + 1):
+                left[j], right[j] = max(left[j], aside), max(right[j], -aside)
+    return left, right
 
 
 @kernel
@@ -49,12 +109,13 @@ def near_boxes(boxes: Array, x: float, y: float, reach: float) -> Array:
 
 @kernel
 def blocked_stretches(
-    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, half: float
-) -> Array:
+    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
+    right: Array, widest: float,
+) -> Array:  # fmt: skip
     """Return (n, 4): first and last arc length that each box blocks (m; NaN if none), velocity along and across C (m/s).
 
     `boxes` (n, 6): front x, y, heading, speed, length, width. The search runs from `start` to `end` along C and leaps
-    where the body is far.
+    where the body is far. The corridor reaches `left` and `right` (m) of each sample, at most `widest`.
     """
     out = np.full((len(boxes), 4), np.nan)
     low = max(0, int(start / step))
@@ -62,14 +123,15 @@ def blocked_stretches(
     for k in range(len(boxes)):
         box = boxes[k]
         mx, my = box[0] - 0.5 * box[4] * math.cos(box[2]), box[1] - 0.5 * box[4] * math.sin(box[2])
-        radius = 0.5 * math.hypot(box[4], box[5]) + half
+        radius = 0.5 * math.hypot(box[4], box[5]) + widest
         i = low
         while i <= high:
             away = math.hypot(cx[i] - mx, cy[i] - my) - radius
             if away > step:
                 i += int(away / step)
                 continue
-            if _cuts(cx[i], cy[i], ch[i], half, box):
+            half, shift = 0.5 * (left[i] + right[i]), 0.5 * (left[i] - right[i])
+            if _cuts(cx[i] - shift * math.sin(ch[i]), cy[i] + shift * math.cos(ch[i]), ch[i], half, box):
                 if np.isnan(out[k, 0]):
                     touch = min(max(_first_touch(cx[i], cy[i], ch[i], box), -step), 0.0)
                     out[k, 0] = i * step + (touch if i > low else 0.0)

@@ -16,12 +16,11 @@ from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import (
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
-    CORRIDOR_MARGIN_M,
     NEAR_M,
     PROJECTION_WINDOW_M,
 )
 from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, next_change, watches_of
-from sumo_reactive.perception.corridor import blocked_stretches, near_boxes
+from sumo_reactive.perception.corridor import band_of, blocked_stretches, near_boxes
 from sumo_reactive.perception.leaders import leaders
 from sumo_reactive.perception.static import static_near
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -77,8 +76,8 @@ def _on_path(
 ) -> Iterator[PathObstacle]:
     curve = plan.curve
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
-    half = 0.5 * limits.width + CORRIDOR_MARGIN_M
-    stretches = blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, half)
+    band = band_of(curve, limits)
+    stretches = blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, *band)
     for user, (start, end, along, across) in zip(users, stretches.tolist(), strict=True):
         if start == start:  # not NaN
             yield PathObstacle(user, start, end, along, across)

@@ -55,14 +55,14 @@ def escape(situation: Situation) -> Escape | None:
         place = x.start - HALTED_ROOM_M
         stop = StopAt(place, Reason.BLOCKED, cause=x.user.id)
         return Escape(_decision(Reason.BLOCKED, x.user.id), Instruction.BACK_UP, stop)
-    stuck = situation.memory.escapes > 0 or any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
-    if not stuck or _has_right(situation, x):
+    due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
         return None
     if x is not None and x.start - situation.snapshot.front < HALTED_ROOM_M + 1.0:
         return Escape(_decision(Reason.BLOCKED, x.user.id))
     decision = _decision(Reason.NO_PROGRESS, "")
     if situation.memory.escapes % 2 == 0:
-        return Escape(decision, replanning=Replanning.CURVE)
+        return Escape(decision, replanning=Replanning.CURVE if due else Replanning.NOTHING)
     return Escape(decision, Instruction.WIDEN)
 
 

@@ -54,7 +54,7 @@ def _passage(
     way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
 ) -> tuple[Rules, PilotMemory]:
     """Return what one passage asks for."""
-    at_line, late, memory = cautious.stop_at_line(way.passage, way.connection, snapshot, memory, limits)
+    at_line, late, memory = cautious.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
     found = list(crossing.judgements(way, snapshot, memory, limits))
     waits = [
@@ -65,7 +65,7 @@ def _passage(
     stops.extend([min(waits, key=lambda wait: wait[0].s)] if waits else [])
     blocker = crossing.exit_is_blocked(way, snapshot, limits, conflicts)
     if blocker:
-        stop = StopAt(way.passage.start, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
+        stop = StopAt(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
         stops.append((stop, decision_of(stop)))
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
     states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found])

@@ -12,7 +12,7 @@ from sumo_reactive.geometry.curve import project_on_curve
 from sumo_reactive.geometry.polyline import moved_aside
 from sumo_reactive.messages.decision import Reason
 from sumo_reactive.messages.forecast import LaneBeside
-from sumo_reactive.messages.plan import Aside, lateral_of
+from sumo_reactive.messages.plan import Aside, NominalPlan, lateral_of
 from sumo_reactive.messages.snapshot import PathObstacle
 from sumo_reactive.parameters import (
     ASSESSMENT_STEP_S,
@@ -182,16 +182,21 @@ def _way_back(lateral: float, speed: float, room: float, limits: VehicleLimits) 
 def _way_out(situation: Situation, x: Passed, lateral: float) -> Way:
     """Return the way aside without an end: along C as far as it already leads aside, else moved out from here."""
     plan, snapshot, limits = situation.plan, situation.snapshot, situation.limits
-    curve = plan.curve
     reach = OVERTAKING_S * (max(snapshot.ego.speed, plan.road_speed(snapshot.s)) + SLOWER_BY)
-    last = min(len(curve.x), int((snapshot.s + reach) / curve.step) + 2)
-    samples = curve.step * np.arange(last)
-    whole = Way(curve.x[:last], curve.y[:last], curve.heading[:last], plan.speed_limits[:last], curve.step)
+    whole, samples = _along(plan, snapshot.s + reach)
     if plan.aside is not None:
         return _displaced(whole, lateral - lateral_of(plan.aside, samples), plan.aside.back)
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
     t = np.clip((samples - snapshot.s) / out, 0.0, 1.0)
     return _displaced(whole, lateral * t**3 * (10.0 - 15.0 * t + 6.0 * t**2), snapshot.s)
+
+
+def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
+    """Return C up to arc length `end` (m), and the arc length of each sample (n,)."""
+    curve = plan.curve
+    n = min(len(curve.x), int(end / curve.step) + 2)
+    samples = np.linspace(0.0, curve.step * (n - 1), n, dtype=np.float64)
+    return Way(curve.x[:n], curve.y[:n], curve.heading[:n], plan.speed_limits[:n], curve.step), samples
 
 
 def _displaced(way: Way, lateral: Array, start: float) -> Way:
@@ -263,6 +268,20 @@ def _speeds(situation: Situation) -> tuple[Array, NDArray[np.bool_]]:
     follows = (ahead < limits.front_to_rear_axle - 0.5 * limits.length) & (along > 0.5)
     speeds[follows & (np.abs(beside) < 0.5 * limits.width + 0.5)] = np.nan
     return speeds, oncoming
+
+
+def in_the_way_back(situation: Situation, way: Aside) -> str:
+    """Return whom the ego would meet if it came back from `way` now; empty: nobody."""
+    snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
+    length = side_step_length(abs(way.lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
+    now = Aside(way.user_id, way.lateral, snapshot.s, snapshot.s + length)
+    whole, samples = _along(plan, now.until + FIND_REACH_M)
+    returning = _displaced(whole, lateral_of(now, samples) - lateral_of(way, samples), now.back)
+    duration = length / max(snapshot.ego.speed, 2.0) + 2.0
+    trace = simulate(snapshot, returning, None, leader_table(snapshot), limits, duration)
+    x = Passed(way.user_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
+    found = _meeting(situation, trace, x, now, duration, Margin(0.0, 0.0, PROOF_ROOM_M))
+    return "" if found.aside is not None else found.obstacle
 
 
 def find(situation: Situation, user_id: str) -> Passed | None:

@@ -22,6 +22,11 @@ class Crossing(NamedTuple):
     scale: float
     pace: float
 
+    @property
+    def line(self) -> float:
+        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it."""
+        return self.passage.start - self.connection.hold_back
+
     def at(self, path_length: float) -> float:
         """Arc length on C of a place on the connection's path, m."""
         return self.passage.start + path_length * self.scale

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sumo_reactive.geometry.polyline import Points, Polyline
+from sumo_reactive.geometry.polyline import Points, Polyline, cut
 from sumo_reactive.parameters import CURVE_RUNOUT_M, CURVE_STEP_M, LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
 from sumo_reactive.planner.lane_path import LaneStep
 from sumo_reactive.world.junction import Connection
@@ -142,13 +142,6 @@ class Reference:
         self.points.append(chunk)
 
 
-def cut(line: Polyline, start: float, end: float) -> Points:
-    """Return the part of `line` between two arc lengths, shape (n ≥ 2, 2), prolonged straight where they lie outside."""
-    arc, points = line.arc_lengths, line.points
-    inner = points[(arc > start + 1e-6) & (arc < end - 1e-6)]
-    return np.vstack([_point(line, start), inner, _point(line, end)])
-
-
 def project_all(line: Polyline, points: Points) -> tuple[Points, Points]:
     """Return (arc lengths (n,), feet (n, 2)) of the closest points of `line` to `points` (n, 2)."""
     a, way = line.points[:-1], np.diff(line.points, axis=0)
@@ -165,16 +158,6 @@ def resampled(points: Points) -> Points:
     line = Polyline(points)
     s = np.linspace(0.0, line.length, max(int(line.length / CURVE_STEP_M) + 1, 5))
     return np.column_stack([np.interp(s, line.arc_lengths, points[:, k]) for k in (0, 1)])
-
-
-def _point(line: Polyline, s: float) -> Points:
-    """Return the point (2,) at arc length `s`, straight on beyond the ends."""
-    outside = s - min(max(s, 0.0), line.length)
-    point = np.array(line.at(s))
-    if outside == 0.0:
-        return point
-    heading = line.heading_at(s)
-    return np.asarray(point + outside * np.array([np.cos(heading), np.sin(heading)]))
 
 
 def _end_on(lane: Lane, step: LaneStep) -> float:

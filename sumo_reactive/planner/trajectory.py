@@ -11,17 +11,19 @@ from scipy.interpolate import CubicSpline
 
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.geometry.polyline import Points, Polyline, moved_aside
+from sumo_reactive.geometry.polyline import Points, Polyline, cut, moved_aside
 from sumo_reactive.messages.plan import Aside, lateral_of
 from sumo_reactive.parameters import (
     CURVE_STEP_M,
+    MAX_START_BLEND_M,
+    MIN_STEP_LATERAL,
     PLAN_HORIZON_M,
 )
-from sumo_reactive.planner.reference import Piece, Reference, cut
+from sumo_reactive.planner.reference import Piece, Reference
 from sumo_reactive.planner.smoothing import curvature_of, smoothed
 from sumo_reactive.planner.turning import turnable
 from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.vehicle.side_step import side_step_length
+from sumo_reactive.vehicle.side_step import QUINTIC_STEP_CURVATURE, side_step_length
 
 Floats = NDArray[np.float64]
 
@@ -112,12 +114,24 @@ def _met_from(
     offset = np.array([x, y]) - line[0]
     turn = np.array([math.cos(heading), math.sin(heading)]) - ahead / max(float(np.hypot(*ahead)), 1e-9)
     error = abs(wrapped(heading - direction))
-    length = side_step_length(float(np.hypot(*offset)), error, speed, width, limits)
+    away = float(np.hypot(*offset))
+    length = max(side_step_length(away, error, speed, width, limits), _length_in_bend(line, away, speed, limits))
     length = min(length, (len(line) - 1) * CURVE_STEP_M)
     t = np.minimum(np.arange(len(line)) * CURVE_STEP_M / length, 1.0)[:, None]
     place = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
     slope = t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2)
     return line + offset * place + turn * length * slope, length
+
+
+def _length_in_bend(line: Points, offset: float, speed: float, limits: VehicleLimits) -> float:
+    """Return the length (m) of a step of `offset` m to the side that adds no more lateral acceleration at `speed` (m/s) than
+    the bend of `line` leaves of the comfortable one."""
+    reach = line[: int(MAX_START_BLEND_M / CURVE_STEP_M)]
+    along = np.diff(reach, axis=0)
+    turned = abs(wrapped(math.atan2(along[-1, 1], along[-1, 0]) - math.atan2(along[0, 1], along[0, 0])))
+    bend = speed * speed * turned / (len(reach) * CURVE_STEP_M)
+    left = max(limits.comfort_lateral_acceleration - bend, MIN_STEP_LATERAL)
+    return min(speed * math.sqrt(QUINTIC_STEP_CURVATURE * offset / left), MAX_START_BLEND_M)
 
 
 def _feet(points: Points, u: Floats, curve: Curve, guess: Floats) -> Floats:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
@@ -16,12 +17,18 @@ from sumo_reactive.vehicle.limits import VehicleLimits
 Floats = NDArray[np.float64]
 
 ITERATIONS = 30
+MOST_STEPS = 90
+"""A turn is refitted in no more steps than this, so that a long vehicle's takes no longer than a car's."""
 STEERING_EXCESS_WEIGHT = 40.0
 """Cost of 1 rad too much, in metres of deviation: 0.01 rad excess costs as much as 0.4 m."""
 STEERING_RATE_WEIGHT = 10.0
 """Cost of 1 rad/m more than MAX_STEERING_PER_M, in metres of deviation."""
 CURVATURE_RATE_WEIGHT = 5.0
-"""Cost of a change of curvature from sample to sample, per 1/m, in metres."""
+"""Cost of a change of curvature within CURVE_STEP_M, per 1/m, in metres."""
+U_TURN_RAD = 2.4
+"""A turn by more leads back beside the way it came…"""
+INSIDE_WEIGHT = 4.0
+"""…where traffic comes: a deviation to its inside costs as much as one this many times as wide."""
 JOINT_WEIGHT = 100.0
 """Cost of missing the place or heading where the turn must end, per metre or radian."""
 DAMPING = 1e-3
@@ -75,6 +82,12 @@ def _refitted(points: Points, line: Points, wheelbase: float, most: float, angle
 
     Gauss–Newton on the headings of its steps and one common step length; `angle` (rad) is the steering angle at first.
     """
+    at = np.linspace(0.0, len(points) - 1.0, min(len(points), MOST_STEPS))
+    if len(at) < len(points):
+        own = np.arange(len(points))
+        fewer, rail = (np.column_stack([np.interp(at, own, part[:, k]) for k in (0, 1)]) for part in (points, line))
+        places = _refitted(fewer, rail, wheelbase, most, angle)
+        return np.asarray(CubicSpline(at, places)(own))
     headings, step = _stepped(points)
     first, last = headings[0], headings[-1]
     for _ in range(ITERATIONS):
@@ -134,8 +147,11 @@ def _deviation(places: Points, line: Points, headings: Floats, step: float) -> t
     normal = np.column_stack([np.interp(at, own, -way[:, 1]), np.interp(at, own, way[:, 0])])
     normal /= np.maximum(np.hypot(*normal.T), 1e-9)[:, None]
     moved = _place_jacobian(headings, step, places)
-    weight = np.sqrt(CURVE_STEP_M)
-    return weight * (normal * (places[1:] - feet)).sum(axis=1), weight * np.einsum("ik,kij->ij", normal, moved)
+    aside = (normal * (places[1:] - feet)).sum(axis=1)
+    turned = headings[-1] - headings[0]
+    inside = (aside * turned > 0.0) & (abs(turned) > U_TURN_RAD)
+    weight = math.sqrt(step) * np.where(inside, INSIDE_WEIGHT, 1.0)
+    return weight * aside, weight[:, None] * np.einsum("ik,kij->ij", normal, moved)
 
 
 def _place_jacobian(headings: Floats, step: float, places: Points) -> Floats:
@@ -177,11 +193,12 @@ def _beyond(values: Floats, rows: Floats, most: Floats, weight: Floats) -> tuple
 
 def _bend_rate(headings: Floats, step: float) -> tuple[Floats, Floats]:
     """Return residual (m − 3,) and Jacobian of the change of curvature per sample."""
-    rate = np.diff(headings, 2) / step * CURVATURE_RATE_WEIGHT
+    weight = CURVATURE_RATE_WEIGHT * math.sqrt(CURVE_STEP_M / step) / step
+    rate = np.diff(headings, 2) * weight
     rows = np.zeros((len(rate), len(headings) + 1))
     k = np.arange(len(rate))
     for shift, factor in ((0, 1.0), (1, -2.0), (2, 1.0)):
-        rows[k, k + shift] = factor / step * CURVATURE_RATE_WEIGHT
+        rows[k, k + shift] = factor * weight
     return rate, rows
 
 

@@ -44,7 +44,7 @@ class Ghosts:
         """Put the ghost on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on."""
         s, _ = lane.spine.project(x, y)
         gx, gy = lane.spine.at(s)
-        if self._ghost and lane.edge_id not in self._edges:
+        if self._ghost and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._ghost:
             self._edges = edges

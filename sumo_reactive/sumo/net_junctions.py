@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.geometry.polyline import Points
+from sumo_reactive.geometry.polyline import Points, cut, joined
+from sumo_reactive.parameters import HOLD_BACK_REACH_M
 from sumo_reactive.sumo.net_connections import LaneOf, connection_from
 from sumo_reactive.sumo.net_file import Attributes, RawNet
 from sumo_reactive.sumo.net_lanes import coordinates
-from sumo_reactive.world.conflicts import inside_part
+from sumo_reactive.world.conflicts import hold_back, inside_part
 from sumo_reactive.world.junction import Connection, Junction
 from sumo_reactive.world.right_of_way import RightOfWay
 
@@ -34,6 +35,7 @@ def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:
     except ValueError as error:
         raise NetworkError(f"{raw.path}: junction '{junction_id}': {error}") from error
     connections = tuple(_with_tail(connection, outline, lane_of) for connection in connections)
+    connections = _held_back(connections, lane_of)
     return Junction(junction_id, element.get("type", "unknown"), outline, connections, right_of_way)
 
 
@@ -42,6 +44,24 @@ def _with_tail(connection: Connection, outline: Points, lane_of: LaneOf) -> Conn
         return connection
     tail = inside_part(lane_of(connection.to_lane).spine, outline)
     return connection if tail is None else replace(connection, tail=tail)
+
+
+def _held_back(connections: tuple[Connection, ...], lane_of: LaneOf) -> tuple[Connection, ...]:
+    """Return the connections with the room that their approach lanes must leave to traffic from other roads."""
+    cars = [connection for connection in connections if not connection.is_crossing]
+    ways = [(lane_of(c.from_lane).edge_id, _with_exit(c, lane_of)) for c in cars]
+    room: dict[str, float] = {}
+    for connection in cars:
+        if connection.from_lane not in room:
+            lane = lane_of(connection.from_lane)
+            room[lane.id] = hold_back(lane.spine, [way for edge, way in ways if edge != lane.edge_id])
+    return tuple(replace(c, hold_back=room[c.from_lane]) if room.get(c.from_lane) else c for c in connections)
+
+
+def _with_exit(connection: Connection, lane_of: LaneOf) -> Points:
+    """Return a connection's path and the start of the lane behind it."""
+    spine = lane_of(connection.to_lane).spine
+    return joined([connection.path.points, cut(spine, 0.0, min(spine.length, HOLD_BACK_REACH_M))])
 
 
 def links_of(raw: RawNet, junction: Element) -> Iterator[Attributes]:

@@ -34,7 +34,8 @@ def haunt(
     pose, front = ego.pose, limits.front_to_rear_axle
     x, y = pose.x + front * math.cos(pose.heading), pose.y + front * math.sin(pose.heading)
     if plan.aside is None:
-        lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits)
+        own = graph.lanes[here.lane_id]  # SUMO maps the ego to no lane where its front swings out of it
+        lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits) if own.reaches(x, y, limits.width) else own
         return None if lane is None else Haunt(lane, x, y, ego.speed, edges)
     lane = _beside(graph, here.lane_id, plan.aside.lateral)
     if lane is None or not _covers(lane, x, y, limits):

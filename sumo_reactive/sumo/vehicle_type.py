@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import libsumo
 
 from sumo_reactive.errors import ScenarioError
@@ -9,10 +11,12 @@ from sumo_reactive.parameters import (
     COMFORT_DECELERATION,
     COMFORT_LATERAL_ACCELERATION,
     FRONT_OVERHANG_FRACTION,
+    LONG_VEHICLE_STEERING_ANGLE,
     MAX_LATERAL_ACCELERATION,
     MAX_STEERING_ANGLE,
     MAX_STEERING_RATE,
     STANDSTILL_GAP_M,
+    TURNING_CIRCLE_M,
     WHEELBASE_FRACTION,
 )
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -42,18 +46,29 @@ def limits_of(vehicle_id: str) -> VehicleLimits:
         "comfort_deceleration": min(COMFORT_DECELERATION, service),
         "service_deceleration": service,
         "emergency_deceleration": max(service, vehicle.getEmergencyDecel(vehicle_id)),
-        "max_steering_angle": MAX_STEERING_ANGLE,
         "max_steering_rate": MAX_STEERING_RATE,
         "max_lateral_acceleration": MAX_LATERAL_ACCELERATION,
         "comfort_lateral_acceleration": COMFORT_LATERAL_ACCELERATION,
         "time_headway": vehicle.getTau(vehicle_id),
         "standstill_gap": min(STANDSTILL_GAP_M, max(vehicle.getMinGap(vehicle_id), 1.0)),
     }
-    values.update(_overrides(vehicle_id, tuple(values)))
+    values.update(_overrides(vehicle_id, (*values, "max_steering_angle")))
+    sizes = values["wheelbase"], values["front_overhang"], values["width"]
+    values.setdefault("max_steering_angle", steering_angle_of(*sizes))
     try:
         return VehicleLimits(**values)
     except ValueError as error:
         raise ScenarioError(f"vehicle '{vehicle_id}': {error}") from error
+
+
+def steering_angle_of(wheelbase: float, front_overhang: float, width: float) -> float:
+    """Return φmax, rad: a car's, or what a longer vehicle needs to keep its front corner within the turning circle.
+
+    (L + overhang)² + (L / tanφ + width / 2)² = radius².
+    """
+    ahead = wheelbase + front_overhang
+    rear = math.sqrt(max(TURNING_CIRCLE_M**2 - ahead * ahead, 0.0)) - 0.5 * width
+    return min(max(MAX_STEERING_ANGLE, math.atan2(wheelbase, rear)), LONG_VEHICLE_STEERING_ANGLE)
 
 
 def _overrides(vehicle_id: str, names: tuple[str, ...]) -> dict[str, float]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from sumo_reactive.parameters import (
+    FAST_CHANGE_GROWTH,
+    FAST_CHANGE_SPEED,
     LANE_CHANGE_DURATION_S,
     MAX_START_BLEND_M,
     MIN_START_BLEND_M,
@@ -24,8 +26,10 @@ def side_step_length(offset: float, error: float, speed: float, width: float, li
 
     `width` (m) is that of a lane: a whole one takes LANE_CHANGE_DURATION_S.
     """
-    bend = START_CURVATURE_SHARE * limits.max_curvature
+    drivable = limits.comfort_lateral_acceleration / max(speed, 1.0) ** 2
+    bend = START_CURVATURE_SHARE * min(limits.max_curvature, drivable)
     lateral = math.sqrt(QUINTIC_STEP_CURVATURE * offset / bend)
     turning = QUINTIC_TURN_CURVATURE * error / bend
-    comfortable = speed * LANE_CHANGE_DURATION_S * min(offset / width, 1.0)
+    duration = LANE_CHANGE_DURATION_S + FAST_CHANGE_GROWTH * max(speed - FAST_CHANGE_SPEED, 0.0)
+    comfortable = speed * duration * min(offset / width, 1.0)
     return min(max(MIN_START_BLEND_M, lateral, turning, comfortable), MAX_START_BLEND_M)

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from sumo_reactive.geometry.polyline import Points, Polyline, joined
+from sumo_reactive.geometry.polyline import Points, Polyline, cut, joined
 from sumo_reactive.parameters import (
+    HOLD_BACK_REACH_M,
     MIN_REGION_AREA_M2,
     MIN_TAIL_M,
     REGION_STEP_M,
@@ -57,6 +58,30 @@ def inside_part(spine: Polyline, outline: Points) -> Points | None:
     inside = shapely.contains_xy(shapely.polygons(outline), points)
     length = len(points) if inside.all() else int(np.argmin(inside))
     return points[:length] if length * REGION_STEP_M >= MIN_TAIL_M else None
+
+
+def hold_back(approach: Polyline, ways: Sequence[Points]) -> float:
+    """Return how far before the end of an approach lane (m) a body must stop to stay out of the bands swept along `ways`.
+
+    `ways` are paths of traffic from other roads, each with the start of the lane behind it. On most maps none of them
+    reaches over the stop line.
+    """
+    start = max(approach.length - HOLD_BACK_REACH_M, 0.0)
+    line = shapely.linestrings(cut(approach, start, approach.length))
+    band = shapely.buffer(line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+    near = [way for way in ways if _bounds_meet(band.bounds, way)]
+    if not near:
+        return 0.0
+    bands = shapely.buffer([shapely.linestrings(way) for way in near], 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+    overlaps = shapely.intersection(band, bands)
+    found = [part for part in overlaps if part.area > UNDECLARED_REGION_AREA_M2]
+    places = [shapely.line_locate_point(line, shapely.points(shapely.get_coordinates(part))).min() for part in found]
+    return float(line.length - min(places)) if places else 0.0
+
+
+def _bounds_meet(bounds: tuple[float, ...], way: Points) -> bool:
+    (x0, y0), (x1, y1) = way.min(axis=0) - SWEPT_WIDTH_M, way.max(axis=0) + SWEPT_WIDTH_M
+    return bool(x0 < bounds[2] and bounds[0] < x1 and y0 < bounds[3] and bounds[1] < y1)
 
 
 def _regions_of(i: int, junction: Junction, lines: Any, sweeps: Any) -> tuple[ConflictRegion, ...]:

@@ -1,22 +1,32 @@
 """Which stretch of C a body blocks, against cases computed by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.cars import CAR
 from helpers.curves import STEP, straight, turning
 
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.perception.corridor import blocked_stretches
+from sumo_reactive.parameters import CORRIDOR_MARGIN_M
+from sumo_reactive.perception.corridor import Band, band_of, blocked_stretches
+
+BUS = replace(CAR, length=12.0, width=2.5, wheelbase=7.2, front_overhang=2.16)
 
 HALF = 1.1
 """m; half the ego's width and the margin."""
 
 
+def even(curve: Curve) -> Band:
+    """A corridor of HALF on either side."""
+    return Band(np.full(len(curve.x), HALF), np.full(len(curve.x), HALF), HALF)
+
+
 def blocked(curve: Curve, *box: float, start: float = 0.0, end: float = 100.0) -> list[float]:
     """First and last arc length that the box (front x, y, heading, speed, length, width) blocks, velocity along, across."""
     boxes = np.array([box])
-    return blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, start, end, HALF)[0].tolist()
+    return blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, start, end, *even(curve))[0].tolist()
 
 
 STRAIGHT = straight(120.0)
@@ -89,5 +99,39 @@ def test_a_car_on_the_next_lane_of_a_bend_does_not_block(radius):
 
 def test_each_body_is_judged_on_its_own():
     boxes = np.array([(30.0, 0.0, 0.0, 5.0, 5.0, 1.8), (30.0, 9.0, 0.0, 5.0, 5.0, 1.8), (60.0, 0.0, 0.0, 5.0, 5.0, 1.8)])
-    found = blocked_stretches(boxes, STRAIGHT.x, STRAIGHT.y, STRAIGHT.heading, STEP, 0.0, 100.0, HALF)[:, 0]
+    found = blocked_stretches(boxes, STRAIGHT.x, STRAIGHT.y, STRAIGHT.heading, STEP, 0.0, 100.0, *even(STRAIGHT))[:, 0]
     assert found == pytest.approx([25.0, np.nan, 55.0], nan_ok=True)
+
+
+@pytest.mark.parametrize("radius", [8.0, 15.0, 40.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_in_a_steady_turn_the_corridor_holds_what_axle_and_bumper_sweep(radius, side):
+    """With the front axle on a circle the rear axle runs on one of √(r² − L²), the bumper on one of √(r² + o² + 2oL)."""
+    ring = turning([2.0 * radius], [side / radius])
+    length, overhang = BUS.wheelbase, BUS.front_overhang
+    inner = radius - math.sqrt(max(radius**2 - length**2, 0.0))
+    outer = math.sqrt(radius**2 + overhang**2 + 2.0 * overhang * length) - radius
+    band, last = band_of(ring, BUS), len(ring.x) - 1 - int((length + overhang) / STEP)
+    within, beyond = (band.left, band.right) if side > 0.0 else (band.right, band.left)
+    assert within[last // 2] == pytest.approx(0.5 * BUS.width + max(inner, CORRIDOR_MARGIN_M), abs=0.1 * inner + 0.05)
+    assert beyond[last - 2] == pytest.approx(0.5 * BUS.width + max(outer, CORRIDOR_MARGIN_M), abs=0.1 * outer + 0.05)
+    assert band.widest == pytest.approx(max(band.left.max(), band.right.max()))
+
+
+def test_on_a_straight_and_in_a_wide_bend_a_car_keeps_the_same_room_on_both_sides():
+    for curve in (STRAIGHT, turning([60.0], [1.0 / 30.0])):
+        band = band_of(curve, CAR)
+        assert np.allclose(band.left, HALF)
+        assert np.allclose(band.right, HALF)
+
+
+def test_a_bus_sees_who_waits_where_its_rear_cuts_a_left_turn():
+    bend = turning([20.0, 16.0, 20.0], [0.0, math.pi / 32.0, 0.0])
+    waiting = (20.0, 5.0, math.pi, 0.0, 5.0, 1.8)
+    boxes = np.array([waiting])
+    seen = [
+        blocked_stretches(boxes, bend.x, bend.y, bend.heading, bend.step, 0.0, 50.0, *band_of(bend, one))[0, 0]
+        for one in (BUS, CAR)
+    ]
+    assert math.isfinite(seen[0])
+    assert math.isnan(seen[1])

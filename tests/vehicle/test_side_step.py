@@ -24,12 +24,22 @@ def test_farther_aside_more_turned_or_faster_takes_no_less(offset, error, speed,
     assert side_step_length(offset + farther, error + turned, speed + faster, WIDTH, CAR) >= less
 
 
-def test_a_whole_lane_takes_the_time_of_a_lane_change():
-    assert math.isclose(side_step_length(WIDTH, 0.0, 20.0, WIDTH, CAR), 20.0 * LANE_CHANGE_DURATION_S)
+def test_a_whole_lane_takes_about_the_time_of_a_lane_change_in_a_city():
+    assert math.isclose(side_step_length(WIDTH, 0.0, 12.0, WIDTH, CAR), 12.0 * LANE_CHANGE_DURATION_S, rel_tol=0.1)
 
 
-def test_half_a_lane_takes_half_of_it():
-    assert math.isclose(side_step_length(0.5 * WIDTH, 0.0, 20.0, WIDTH, CAR), 10.0 * LANE_CHANGE_DURATION_S)
+def test_it_takes_longer_on_a_motorway():
+    assert side_step_length(WIDTH, 0.0, 30.0, WIDTH, CAR) > 1.2 * 30.0 * LANE_CHANGE_DURATION_S
+
+
+def test_half_a_lane_takes_less():
+    assert side_step_length(0.5 * WIDTH, 0.0, 20.0, WIDTH, CAR) < 0.8 * side_step_length(WIDTH, 0.0, 20.0, WIDTH, CAR)
+
+
+@given(offsets, st.floats(1.0, 20.0))
+def test_its_lateral_acceleration_is_comfortable(offset, speed):
+    length = side_step_length(offset, 0.0, speed, WIDTH, CAR)
+    assert QUINTIC_STEP_CURVATURE * offset / length**2 * speed**2 <= CAR.comfort_lateral_acceleration
 
 
 @given(offsets)

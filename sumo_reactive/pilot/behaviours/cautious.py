@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason, StopAt
-from sumo_reactive.messages.plan import Passage
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, STANDING_SPEED, STOP_REACHED_M
 from sumo_reactive.pilot.lights import Signal, letter_of, signal
 from sumo_reactive.pilot.memory import PilotMemory
+from sumo_reactive.pilot.passages import Crossing
 from sumo_reactive.pilot.situation import BehaviourRule, Situation
 from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.junction import Connection, Control
+from sumo_reactive.world.junction import Control
 
 _FULL_STOP = (Control.STOP, Control.ALL_WAY_STOP)
 _REASONS = {Signal.STOP: Reason.RED_LIGHT, Signal.STOP_ON_YELLOW: Reason.YELLOW_LIGHT}
 
 
 def stop_at_line(
-    passage: Passage, connection: Connection, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+    way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
 ) -> tuple[StopAt | None, Decision | None, PilotMemory]:
     """Return the stop that light or sign ask for before the line, the decision to pass a light that changed too late,
     and the memory of a full stop once it is made."""
-    to_line = passage.start - snapshot.front
+    connection, place = way.connection, way.line if way.line > snapshot.front else way.passage.start
+    to_line = way.passage.start - snapshot.front
     if to_line < 0.0:
         return None, None, memory
     letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
     asked = signal(letter, to_line, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
     if asked in _REASONS:
-        return StopAt(passage.start, _REASONS[asked], cause=light), None, memory
+        return StopAt(place, _REASONS[asked], cause=light), None, memory
     if asked is Signal.GO_ON_YELLOW:
         needed = snapshot.ego.speed**2 / (2.0 * max(to_line, 0.1))
         figures = (("to_line_m", to_line), ("braking_needed_m_s2", needed))
@@ -35,9 +36,9 @@ def stop_at_line(
     due = asked is Signal.STOP_THEN_GO or (not letter and connection.control in _FULL_STOP)
     if not due or memory.stopped_at == connection.id:
         return None, None, memory
-    if snapshot.ego.speed < STANDING_SPEED and to_line < STOP_REACHED_M:
+    if snapshot.ego.speed < STANDING_SPEED and place - snapshot.front < STOP_REACHED_M:
         return None, None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
-    return StopAt(passage.start, Reason.STOP_SIGN), None, memory
+    return StopAt(place, Reason.STOP_SIGN), None, memory
 
 
 def intersection_is_near(situation: Situation) -> bool:

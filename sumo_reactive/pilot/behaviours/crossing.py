@@ -185,11 +185,13 @@ def _nearest_stop(snapshot: Snapshot, limits: VehicleLimits) -> float:
 
 def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> float | None:
     """Arc length at which to wait for a region: the waiting place inside, the line, else just before the region."""
-    inside = _waiting_place(conflict, crossing)
-    places = [crossing.passage.start] if inside is None else [inside, crossing.passage.start]
+    inside, stops = _waiting_place(conflict, crossing), _nearest_stop(snapshot, limits)
+    line = crossing.line
+    if crossing.connection.hold_back > 0.0 and snapshot.front <= crossing.passage.start:
+        line = min(max(line, stops), crossing.passage.start)  # too late for it: as soon as can be
+    places = [line] if inside is None else [inside, line]
     if snapshot.front > crossing.passage.start:
         places.append(crossing.at(conflict.region.own.start) - REGION_MARGIN_M)
-    stops = _nearest_stop(snapshot, limits)
     return next((place for place in places if place >= stops), None)
 
 

@@ -24,6 +24,7 @@ from sumo_reactive.pilot.manoeuvre import (
     UNDER_WAY,
     Passed,
     find,
+    in_the_way_back,
     is_clear_of,
     lane_in_use,
     lateral_for,
@@ -149,7 +150,12 @@ def carry_on(situation: Situation, overtaking: Overtaking) -> Passing:
         return Passing(coming_back)
     x = find(situation, overtaking.user_id)
     if x is None or is_clear_of(situation, x):
-        return Passing(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
+        beside = in_the_way_back(situation, way)
+        if not beside:
+            return Passing(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
+        overtaking, x = overtaking._replace(user_id=beside), find(situation, beside)
+        if x is None:
+            return Passing(coming_back)
     lane = lane_in_use(situation, way.lateral)
     found = prove(situation, x, way.lateral, lane, legal_end(situation, x, lane), UNDER_WAY)
     if found.aside is not None:
