@@ -210,6 +210,15 @@ GAP_AFTER_S = 0.5
 MERGE_GAP_S = 0.8
 """Time headway that a foe keeps behind the ego after it merged."""
 
+HESITATING_SPEED = 3.0
+"""m/s; an ego that moves no faster, and has not come on, has been waiting…"""
+
+HESITATION_S = 1.5
+"""…since this long after it last came on: the time of a start."""
+
+ZIPPER_LEAD_M = 0.1
+"""Where lanes merge in turns, who is nearer by more than this goes first."""
+
 COMMITTED_PATIENCE = 0.4
 """Share of the margins that still must remain once the ego is inside the junction."""
 
@@ -242,6 +251,15 @@ WAIT_SHIFT_M = 4.0
 
 LANE_CHANGE_CLEAR_M = 40.0
 """With nobody nearer than this ahead on the other lane, the ego can speed up there."""
+
+FOLLOWER_HEADWAY_S = 0.8
+"""Time headway left to who is behind on the other lane, while there is still way for another gap."""
+
+URGENT_M = 60.0
+"""A change becomes urgent this far before its last place…"""
+
+URGENT_S = 5.0
+"""…or this long."""
 
 URGENT_REACTION_S = 0.15
 """Time headway that is left at the last place for a change…"""

@@ -89,9 +89,15 @@ def _is_too_near(situation: Situation, x: PathObstacle) -> bool:
     gap = x.start - snapshot.front
     backing = snapshot.ego.speed < -STANDING_SPEED
     enough = HALTED_ROOM_M - (_BACKED_UP_M if backing else _TOO_NEAR_M)
-    if gap > enough or lateral_for(situation, passed(situation, x))[0] == 0.0:
+    if gap > enough or _would_back_into_junction(situation, x) or lateral_for(situation, passed(situation, x))[0] == 0.0:
         return False
     return _is_free_behind(situation, HALTED_ROOM_M - gap + BACK_UP_CLEAR_M)
+
+
+def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
+    """Whether the ego's rear would come to stand inside an intersection that it has passed."""
+    rear, front = x.start - HALTED_ROOM_M - situation.limits.length, situation.snapshot.front
+    return any(way.passage.start < front and rear < way.passage.end for way in situation.ways)
 
 
 def _is_free_behind(situation: Situation, way: float) -> bool:

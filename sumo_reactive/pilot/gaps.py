@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from sumo_reactive.messages.snapshot import Foe
 from sumo_reactive.parameters import (
+    COMFORT_DECELERATION,
     FOE_ACCELERATION,
     FOLLOWER_DECELERATION,
     GAP_AFTER_S,
@@ -53,6 +54,8 @@ def passing(
     to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
 ) -> Passing:
     """Foresee the ego's passage; ways in m from the front bumper (`to_clear`: until the rear is out)."""
+    if speed > top_speed and to_region > 0.0:
+        return _slowing(to_region, to_clear, length, speed, acceleration, top_speed)
     slow = min(speed, top_speed)
     merged = travel_time(to_region + length, slow, acceleration, top_speed)
     return Passing(
@@ -61,6 +64,20 @@ def passing(
         merged=merged,
         speed=min(top_speed, slow + acceleration * merged),
     )
+
+
+def _slowing(
+    to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
+) -> Passing:
+    """Foresee a passage that is slower than the ego is now: at its speed first, then braking, then at `top_speed`."""
+    braking = (speed * speed - top_speed * top_speed) / (2.0 * COMFORT_DECELERATION)
+    if braking < to_region:
+        lead = (to_region - braking) / speed + (speed - top_speed) / COMFORT_DECELERATION
+    else:
+        lead = 2.0 * to_region / (speed + top_speed)
+    inside = (to_clear - to_region) / top_speed
+    earliest = travel_time(to_region, speed, acceleration, top_speed)
+    return Passing(earliest, lead + inside, lead + length / top_speed, top_speed)
 
 
 def threat(foe: Foe, *, expects_ego: bool = False) -> Threat:

@@ -9,6 +9,7 @@ from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Neighbour, Snapshot
 from sumo_reactive.parameters import (
     FOLLOWER_DECELERATION,
+    FOLLOWER_HEADWAY_S,
     LANE_CHANGE_CLEAR_M,
     LANE_CHANGE_DURATION_S,
     LANE_CHANGE_GAP_M,
@@ -18,7 +19,9 @@ from sumo_reactive.parameters import (
     MAX_ACCELERATION_IN_PLAN,
     MIN_LANE_CHANGE_LENGTH_M,
     URGENT_FOLLOWER_DECELERATION,
+    URGENT_M,
     URGENT_REACTION_S,
+    URGENT_S,
 )
 from sumo_reactive.vehicle.limits import VehicleLimits
 
@@ -52,7 +55,8 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> La
     change = pending(snapshot, plan)
     if change is None:
         return LaneChanging()
-    urgency = min(1.0, max(0.0, 1.0 - (change.start - snapshot.front) / _horizon(snapshot)))
+    left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
+    urgency = min(1.0, max(0.0, 1.0 - left / pressing))
     blocker = _blocker(snapshot, limits, urgency)
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
@@ -98,6 +102,7 @@ def _leaves_gap(neighbour: Neighbour, speed: float, length: float, urgency: floa
         gap, closing, pace = neighbour.ahead - other.body.length, speed - other.speed, speed
     else:
         gap, closing, pace = -neighbour.ahead - length, other.speed - speed, other.speed
+        reaction = FOLLOWER_HEADWAY_S + urgency * (URGENT_REACTION_S - FOLLOWER_HEADWAY_S)
         braking += gains
     needed = LANE_CHANGE_GAP_M + reaction * pace + max(0.0, closing) ** 2 / (2.0 * braking)
     return gap > needed - urgency * 0.5 * LANE_CHANGE_GAP_M

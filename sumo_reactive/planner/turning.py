@@ -25,7 +25,7 @@ STEERING_RATE_WEIGHT = 10.0
 """Cost of 1 rad/m more than MAX_STEERING_PER_M, in metres of deviation."""
 CURVATURE_RATE_WEIGHT = 5.0
 """Cost of a change of curvature within CURVE_STEP_M, per 1/m, in metres."""
-U_TURN_RAD = 2.4
+U_TURN_RAD = 2.8
 """A turn by more leads back beside the way it came…"""
 INSIDE_WEIGHT = 4.0
 """…where traffic comes: a deviation to its inside costs as much as one this many times as wide."""

@@ -12,11 +12,14 @@ from sumo_reactive.parameters import (
     ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
+    HESITATING_SPEED,
+    HESITATION_S,
     MAX_ACCELERATION_IN_PLAN,
     OFF_THE_LINE_M,
     REGION_MARGIN_M,
     STANDING_SPEED,
     WAIT_SHIFT_M,
+    ZIPPER_LEAD_M,
 )
 from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, threat, travel_time
 from sumo_reactive.pilot.lights import holds_back, letter_of, outranks
@@ -78,6 +81,8 @@ def judge(
     to_clear = crossing.at(region.own.end) + limits.length - front
     if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
         return None
+    if _takes_turns(foe, crossing) and foe.to_region > to_region + ZIPPER_LEAD_M:
+        return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
     if _gives_way(foe, committed):
         return None
@@ -90,14 +95,22 @@ def judge(
 
 
 def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
-    """Return the foe with the right of way that the lights' letters leave between paths that yield to each other."""
+    """Return the foe with the right of way that the lights' letters leave: nobody yields at a full green or with the light
+    off, whatever the map says, and between paths that yield to each other the higher letter goes first."""
+    own, theirs = letter_of(crossing.connection, snapshot), letter_of(foe.conflict.other, snapshot)
+    if theirs and theirs in "GO" and foe.conflict.is_yielded_to:
+        foe = foe._replace(conflict=foe.conflict._replace(is_yielded_to=False))
     conflict = foe.conflict
     if not (conflict.must_yield and conflict.is_yielded_to):
         return foe
-    own, theirs = letter_of(crossing.connection, snapshot), letter_of(conflict.other, snapshot)
     if outranks(own, theirs):
         return foe._replace(conflict=conflict._replace(must_yield=False))
     return foe._replace(conflict=conflict._replace(is_yielded_to=False)) if outranks(theirs, own) else foe
+
+
+def _takes_turns(foe: Foe, crossing: Crossing) -> bool:
+    """Whether two lanes merge like a zipper: who is nearer to the region goes first."""
+    return crossing.connection.control is Control.ZIPPER and foe.conflict.region.kind is ConflictKind.MERGING
 
 
 def _is_certain(foe: Foe) -> bool:
@@ -130,6 +143,8 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
     A body that stands in the ego's corridor is a leader, whatever the region says.
     """
     user, standing = foe.user, memory.standing_for(snapshot.time)
+    if snapshot.ego.speed < HESITATING_SPEED:  # an ego that starts in vain has been waiting all the same
+        standing = max(standing, snapshot.time - memory.progress_time - HESITATION_S)
     if user.body.is_person:
         return True
     if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):

@@ -1,0 +1,69 @@
+"""Kinds of geometry: short lanes, sharp turns, dead ends, bridges, loops, widths, the left-hand side."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from kinds import Net, car, cross, driven, edge, node, road, stream
+
+SQUARE = "".join(node(name, x, y) for name, x, y in (("a", 0, 0), ("b", 60, 0), ("c", 60, 60), ("d", 0, 60)))
+
+
+@pytest.mark.parametrize("short", [3, 1.5])
+def test_lanes_shorter_than_the_car_are_driven(tmp_path, short):
+    chain = road(80, *[short] * 10, 80)
+    edges = " ".join("abcdefghijklmnopqrstuvwxyz"[i : i + 2] for i in range(12))
+    run = driven(tmp_path, chain, car("ego", edges, 2), car("x", edges), car("y", edges, 4.5))
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize(
+    ("turn", "side"), [(90, 1), (90, -1), (120, 1), (120, -1), (150, 1), (150, -1)]
+)
+def test_a_sharp_turn_is_driven(tmp_path, turn, side):
+    angle = math.radians(turn) * side
+    nodes = node("a", 0, 0) + node("b", 80, 0) + node("c", 80 + 80 * math.cos(angle), 80 * math.sin(angle))
+    net = Net(nodes, "".join(edge(e) for e in ("ab", "bc", "cb", "ba")))
+    run = driven(tmp_path, net, car("ego", "ab bc", 2), car("x", "ab bc"), car("on", "cb ba", 2.5))
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_the_ego_turns_round_at_a_dead_end(tmp_path, lanes):
+    net = Net(node("a", 0, 0) + node("b", 80, 0), edge("ab", numLanes=lanes) + edge("ba", numLanes=lanes), options=())
+    run = driven(tmp_path, net, car("ego", "ab ba", 3, departLane="best"), car("x", "ab ba", departLane="best"))
+    assert run.complaints(slower=2.0) == []
+
+
+@pytest.mark.parametrize("level", ["wbe", "snx"])
+def test_a_bridge_is_no_crossing(tmp_path, level):
+    nodes = node("w", -100, 0, z=6) + node("e", 100, 0, z=6) + node("s", 0, -100, z=0) + node("n", 0, 100, z=0)
+    net = Net(nodes, edge("we") + edge("sn"))
+    route, other = ("we", "sn") if level == "wbe" else ("sn", "we")
+    run = driven(tmp_path, net, car("ego", route, 1), stream("x", other, [0, 1, 2]))
+    assert run.complaints(slower=1.05) == []
+
+
+def test_a_route_that_leads_round_the_block_twice_is_driven(tmp_path):
+    net = Net(SQUARE + node("z", -60, 0), "".join(edge(e) for e in ("ab", "bc", "cd", "da", "za", "az")))
+    block = "ab bc cd da"
+    run = driven(tmp_path, net, car("ego", f"za {block} {block} az"), car("x", f"za {block} {block} {block}", 4), until=120)
+    assert run.complaints() == []
+
+
+def test_lanes_become_narrower_and_wider(tmp_path):
+    widths = {"ab": 3.2, "bc": 2.3, "cd": 4.5, "de": 2.6}
+    nodes = "".join(node(name, 60 * i, 0) for i, name in enumerate("abcde"))
+    ways = "".join(edge(e, width=w) + edge(e[::-1], width=w) for e, w in widths.items())
+    run = driven(tmp_path, Net(nodes, ways), car("ego", "ab bc cd de", 1), stream("on", "ed dc cb ba", [0, 2, 4]))
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("kind", ["priority", "traffic_light"])
+@pytest.mark.parametrize("turn", ["cs", "ce", "cn"])
+def test_on_the_left_hand_side_a_right_turn_crosses_the_oncoming_stream(tmp_path, kind, turn):
+    green = 40 if kind == "traffic_light" else 0
+    oncoming = stream("on", "ec cw", [green + t for t in (0, 1.5, 3, 4.5, 9, 15)])
+    run = driven(tmp_path, cross(kind, options=("--lefthand",)), car("ego", f"wc {turn}", green), oncoming, until=100)
+    assert run.complaints() == []

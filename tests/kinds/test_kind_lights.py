@@ -1,0 +1,93 @@
+"""Kinds of traffic lights."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import car, cross, driven, program, standing, stream
+
+LIGHTS = cross("traffic_light")
+"""Letters: n, e, s, w; of each: right, straight on, left."""
+CENTRE = 90.0
+MAIN, SIDE = "rrrGGgrrrGGg", "GGgrrrGGgrrr"
+MAIN_YELLOW, SIDE_YELLOW = "rrryyyrrryyy", "yyyrrryyyrrr"
+
+
+def test_a_permissive_left_turn_waits_for_a_gap_in_oncoming_traffic(tmp_path):
+    oncoming = stream("on", "ec cw", [0, 1.5, 3, 4.5, 6, 7.5, 9, 16, 18])
+    light = program("c", (40, MAIN), (3, MAIN_YELLOW), (20, SIDE), (3, SIDE_YELLOW))
+    run = driven(tmp_path, LIGHTS, car("ego", "wc cn", 2), oncoming, extra=light)
+    assert run.complaints() == []
+
+
+def test_a_permissive_left_turn_leaves_the_junction_when_only_yellow_ends_the_stream(tmp_path):
+    oncoming = stream("on", "ec cw", [1.8 * i for i in range(20)])
+    light = program("c", (20, MAIN), (3, MAIN_YELLOW), (2, "r" * 12), (20, SIDE), (3, SIDE_YELLOW), (2, "r" * 12))
+    run = driven(tmp_path, LIGHTS, car("ego", "wc cn", 2), oncoming, stream("n", "nc cs", [3, 10]), extra=light, until=90)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize(
+    ("route", "late"),
+    [
+        ("wc ce", 0.0),
+        ("wc ce", 0.7),
+        ("wc ce", 1.4),
+        ("sc ce", 0.0),
+        ("sc ce", 0.7),
+        ("sc ce", 1.4),
+    ],
+)
+def test_two_full_greens_into_one_lane_end_in_no_crash(tmp_path, route, late):
+    other = "sc ce" if route == "wc ce" else "wc ce"
+    light = program("c", (60, "rrrrrrGrrrGr"))
+    run = driven(tmp_path, LIGHTS, car("ego", route), car("other", other, late), extra=light)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("green", [2.0, 3.5, 4.2, 4.8, 5.5])
+def test_a_yellow_near_or_far_before_the_line_leads_nobody_over_red(tmp_path, green):
+    light = program("c", (green, MAIN), (3, MAIN_YELLOW), (15, SIDE), (3, SIDE_YELLOW), (40, MAIN))
+    cross_traffic = stream("n", "nc cs", [green - 1, green + 1]) + car("behind", "wc ce", 1.6)
+    run = driven(tmp_path, LIGHTS, car("ego", "wc ce"), cross_traffic, extra=light)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("green", [3.0, 4.0, 4.4, 5.0, 5.6])
+def test_a_program_without_yellow_stops_whoever_can_stop(tmp_path, green):
+    light = program("c", (green, MAIN), (12, SIDE), (40, MAIN))
+    run = driven(tmp_path, LIGHTS, car("ego", "wc ce"), stream("n", "nc cs", [green, green + 2]), extra=light)
+    assert run.complaints(red=green < 4.5) == []
+
+
+def test_right_on_red_stops_first_and_then_takes_a_gap(tmp_path):
+    light = program("c", (60, "GGgrrrGGgsrr"))
+    run = driven(tmp_path, LIGHTS, car("ego", "wc cs"), stream("n", "nc cs", [0, 2, 4, 6, 14, 16]), extra=light)
+    assert run.complaints() == []
+    assert run.ego.slowest("wc") < 0.1
+
+
+OTHERS = stream("n", "nc cs", [0, 3, 9]) + stream("e", "ec cw", [0.5, 4, 9])
+
+
+@pytest.mark.parametrize("route", ["wc ce", "wc cn", "sc cn", "sc cw"])
+def test_a_blinking_light_leaves_it_to_the_right_of_way(tmp_path, route):
+    run = driven(tmp_path, LIGHTS, car("ego", route, 0.5), OTHERS, extra=program("c", (60, "o" * 12)))
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize(
+    ("route", "depart"),
+    [("wc ce", 0.0), ("wc ce", 0.8), ("wc cn", 0.8), ("sc cn", 0.8), ("sc cw", 2.0)],
+)
+def test_at_a_light_that_is_off_the_ego_looks_out_since_the_others_do_not(tmp_path, route, depart):
+    run = driven(tmp_path, LIGHTS, car("ego", route, depart), OTHERS, extra=program("c", (60, "O" * 12)))
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("room", [6.0, 9.0, 11.0])
+def test_nobody_stands_in_the_junction_at_green_when_the_exit_is_blocked(tmp_path, room):
+    light = program("c", (12, MAIN), (3, MAIN_YELLOW), (12, SIDE), (3, SIDE_YELLOW), (40, MAIN))
+    blocked = standing("jam", "ce", "ce_0", room, 22.0)
+    run = driven(tmp_path, LIGHTS, car("ego", "wc ce", 1), blocked, stream("n", "nc cs", [8, 10, 12]), extra=light)
+    assert run.complaints() == []
+    assert run.ego.stands_in(CENTRE - 3.2, CENTRE + 3.2) == []

@@ -1,0 +1,54 @@
+"""Kinds of merging: lanes that end, lanes that the route needs, ramps, weaving."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import Net, car, driven, edge, fails, link, node, stream
+
+FORCES = "it cuts in 5 to 9 m before somebody at 13 m/s, who brakes with 7 to 9 m/s²"
+JOINS_SLOWLY = "it joins with 16 to 21 m/s, 28 to 54 m before somebody at 24 m/s, who brakes with 5 to 9 m/s²"
+SQUEEZES_IN = "while both change, the other finds the ego 3 to 13 m ahead and brakes with 5 to 6.5 m/s²"
+
+
+@pytest.mark.parametrize("ahead", [12, 6, 0, -6])
+def test_a_lane_that_ends_is_left_in_time(tmp_path, ahead):
+    nodes = node("a", 0, 0) + node("b", 210, 0) + node("d", 360, 0)
+    net = Net(nodes, edge("ab", numLanes=2) + edge("bd"), link("ab bd", "10"))
+    beside = "".join(car(f"b{i}", "ab bd", departLane=1, departPos=60 + ahead - 22 * i) for i in range(-1, 3))
+    run = driven(tmp_path, net, car("ego", "ab bd", departLane=0, departPos=60), beside)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("headway", [fails(1.6, because=FORCES), fails(2.0, because=FORCES), 3.0])
+def test_a_change_that_the_route_needs_is_made_in_dense_traffic_on_a_short_edge(tmp_path, headway):
+    nodes = node("a", 0, 0) + node("b", 180, 0) + node("d", 280, 0) + node("n", 180, 100)
+    rules = link("ab bd", "00") + link("ab bn", "11")
+    net = Net(nodes, edge("ab", numLanes=2) + edge("bd", numLanes=1) + edge("bn", numLanes=2), rules)
+    dense = stream("l", "ab bn", [headway * i for i in range(18)], departLane=1, type="calm")
+    run = driven(tmp_path, net, car("ego", "ab bn", 8, departLane=0, departPos=60), dense, until=90)
+    assert run.complaints() == []
+
+
+@pytest.mark.xfail(reason=JOINS_SLOWLY, strict=True)
+@pytest.mark.parametrize("headway", [1.8, 2.2, 3.0])
+def test_an_on_ramp_joins_a_fast_stream(tmp_path, headway):
+    nodes = node("a", 0, 0) + node("b", 300, 0) + node("d", 500, 0) + node("e", 700, 0) + node("r", 100, -60)
+    edges = edge("ab", speed=25) + edge("rb", speed=20) + edge("bd", numLanes=2, speed=25) + edge("de", speed=25)
+    rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "10")
+    fast = stream("f", "ab bd de", [headway * i for i in range(16)])
+    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", 6, departSpeed=15), fast)
+    assert run.complaints() == []
+
+
+@pytest.mark.xfail(reason=SQUEEZES_IN, strict=True)
+@pytest.mark.parametrize("late", [-1.0, 0.0, 1.0])
+@pytest.mark.parametrize("length", [80, 150])
+def test_two_cars_exchange_their_lanes(tmp_path, late, length):
+    end = 150 + length
+    nodes = node("a", 0, -50) + node("b", 0, 50) + node("c", 150, 0) + node("d", end, 0)
+    nodes += node("e", end + 120, 50) + node("f", end + 120, -50)
+    edges = edge("ac") + edge("bc") + edge("cd", numLanes=2) + edge("de") + edge("df")
+    rules = link("ac cd", "00") + link("bc cd", "01") + link("cd df", "00") + link("cd de", "10")
+    weaving = stream("w", "bc cd df", [2 + late, 4 + late])
+    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "ac cd de", 2), weaving)
+    assert run.complaints() == []
