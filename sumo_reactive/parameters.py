@@ -485,6 +485,9 @@ ROUTE_REFRESH_S = 3.0
 PERSON_DECELERATION = 5.0
 """m/s²; a pedestrian stops within a step."""
 
+STEPPING_ON_M = 4.0
+"""Somebody on a walking area who is this near to the crossing that he heads for is about to step on: 3 s of walking."""
+
 TELEPORT_GUARD_S = 5.0
 """The ego ends its waiting time this long before SUMO would teleport it."""
 

@@ -104,12 +104,13 @@ def _foe(user: RoadUser, passage: int, watch: Watch) -> Foe:
 
 
 def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
-    """A pedestrian may walk along the crossing's path or against it."""
+    """A pedestrian may walk along the crossing's path or against it, and stand before it."""
     conflict, at = watch.conflict, user.lane_position
+    to_step_on = max(-at, at - conflict.other.path.length)
     start, end = conflict.region.other.start, conflict.region.other.end
     forward = math.cos(user.heading - conflict.other.path.heading_at(at)) >= 0.0
     to_region, to_clear = (start - at, end - at) if forward else (at - end, at - start)
-    return Foe(user, passage, conflict, -1.0, to_region, to_clear)
+    return Foe(user, passage, conflict, to_step_on if to_step_on > 0.0 else -1.0, to_region, to_clear)
 
 
 def _neighbours(

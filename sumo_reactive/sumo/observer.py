@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -15,11 +16,15 @@ from sumo_reactive.parameters import (
     PERSON_DECELERATION,
     ROUTE_REFRESH_S,
     STANDING_SPEED,
+    STEPPING_ON_M,
 )
 from sumo_reactive.perception.attention import in_sight, lanes_in_sight
 from sumo_reactive.sumo.ghosts import is_ghost
+from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.static_obstacles import StaticObstacles
 from sumo_reactive.sumo.units import heading_of
+from sumo_reactive.world.junction import Connection
+from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 
 ROUTE_AHEAD = 16
@@ -35,6 +40,16 @@ class _Known(NamedTuple):
     route: tuple[str, ...]
 
 
+class _Crossing(NamedTuple):
+    """A pedestrian crossing: its edge and lane, the walking areas at its ends, and these ends: x, y, position (m), direction
+    (rad) in which somebody steps on."""
+
+    edge_id: str
+    lane_id: str
+    walks: tuple[str, ...]
+    ends: tuple[tuple[float, float, float, float], ...]
+
+
 class Observer:
     """Reads SUMO through plain getters on the lanes in sight; keeps what does not change from step to step."""
 
@@ -45,7 +60,7 @@ class Observer:
         self._walkers: dict[str, Body] = {}
         self._view: tuple[object, int, float] = (None, 0, 0.0)
         self._lanes: tuple[tuple[str, str, float, bool], ...] = ()
-        self._crossings: tuple[tuple[str, str], ...] = ()
+        self._crossings: tuple[_Crossing, ...] = ()
         self._lights: tuple[str, ...] = ()
 
     def observe(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> Traffic:
@@ -71,7 +86,7 @@ class Observer:
             lane = graph.lanes[lane_id]
             connection = graph.connection_of.get(lane_id)
             if connection is not None and connection.is_crossing:
-                crossings.append((lane.edge_id, lane_id))
+                crossings.append(_crossing(connection, lane))
             else:
                 lanes.append((lane_id, lane.edge_id, lane.scale, lane.is_internal))
         self._lanes, self._crossings = tuple(lanes), tuple(crossings)
@@ -100,17 +115,33 @@ class Observer:
                 yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting, halted)
 
     def _persons(self) -> Iterator[RoadUser]:
+        """Yield who walks over a crossing, and who is about to: a negative position, or one beyond its length."""
+        person, on_edge = libsumo.person, libsumo.edge.getLastStepPersonIDs
+        for crossing in self._crossings:
+            for name in on_edge(crossing.edge_id):
+                yield self._walker(name, crossing.lane_id, heading_of(person.getAngle(name)), person.getLanePosition(name))
+            for edge_id in crossing.walks:
+                for name in on_edge(edge_id):
+                    if person.getNextEdge(name) == crossing.edge_id:
+                        yield from self._stepping_on(name, crossing)
+
+    def _stepping_on(self, name: str, crossing: _Crossing) -> Iterator[RoadUser]:
+        x, y = libsumo.person.getPosition(name)
+        away, position, heading = min(
+            (math.hypot(x - px, y - py), at, along) for px, py, at, along in crossing.ends
+        )
+        if away < STEPPING_ON_M:
+            yield self._walker(name, crossing.lane_id, heading, position - away if position == 0.0 else position + away)
+
+    def _walker(self, name: str, lane_id: str, heading: float, position: float) -> RoadUser:
         person = libsumo.person
-        for edge_id, lane_id in self._crossings:
-            for name in libsumo.edge.getLastStepPersonIDs(edge_id):
-                x, y = person.getPosition(name)
-                body = self._walkers.get(name)
-                if body is None:
-                    length, width = person.getLength(name), person.getWidth(name)
-                    body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
-                    self._walkers[name] = body
-                heading = heading_of(person.getAngle(name))
-                yield RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, person.getLanePosition(name), body)
+        body = self._walkers.get(name)
+        if body is None:
+            length, width = person.getLength(name), person.getWidth(name)
+            body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
+            self._walkers[name] = body
+        x, y = person.getPosition(name)
+        return RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
 
     def _know(self, name: str, known: _Known | None, edge_id: str, internal: bool, now: float) -> _Known:
         """Read what changes seldom: the body once, the edges still to drive on a new edge and every few seconds."""
@@ -118,6 +149,17 @@ class Observer:
         route = tuple(libsumo.vehicle.getRoute(name)[index : index + ROUTE_AHEAD])
         self._known[name] = _Known(known.body if known else _body(name), now + ROUTE_REFRESH_S, edge_id, route)
         return self._known[name]
+
+
+def _crossing(connection: Connection, lane: Lane) -> _Crossing:
+    spine = lane.spine
+    walks = dict.fromkeys(edge_id_of(end) for end in (connection.from_lane, connection.to_lane))
+    first, last = spine.at(0.0), spine.at(spine.length)
+    onto, back = spine.heading_at(0.0), spine.heading_at(spine.length) + math.pi
+    return _Crossing(
+        lane.edge_id, lane.id, tuple(walk for walk in walks if walk != lane.edge_id),
+        ((*first, 0.0, onto), (*last, spine.length, back)),
+    )  # fmt: skip
 
 
 def _body(name: str) -> Body:
