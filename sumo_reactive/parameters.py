@@ -362,6 +362,12 @@ PROOF_ROOM_M = 0.2
 OVERTAKING_MARGIN_S = 3.5
 """Oncoming traffic may be this much earlier than foreseen, or half of it later, and an overtaking still meets nobody…"""
 
+UNDER_WAY_SHARE = 0.6
+"""Share of these margins that must remain while the ego passes: a small error does not call it back."""
+
+PASSING_HEADWAY = 0.6
+"""Share of the driver's time headway kept to X while pulling out."""
+
 MERGE_MARGIN_S = 1.0
 """…and traffic on the lane beside that drives the ego's way this much."""
 

@@ -63,6 +63,11 @@ class Polyline:
         return float(s), math.copysign(math.hypot(*away[i]), side)
 
 
+def eased(share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return 10t³ − 15t⁴ + 6t⁵: from 0 to 1 with no slope and no bend at either end, for `share` t in [0, 1]."""
+    return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+
+
 def moved_aside(line: Points, lateral: NDArray[np.float64]) -> Points:
     """Return `line` (n, 2) moved to its left by `lateral` (n,), m."""
     along = np.gradient(line, axis=0)

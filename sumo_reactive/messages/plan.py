@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.geometry.curve import Curve
+from sumo_reactive.geometry.polyline import eased
 from sumo_reactive.world.route import ScheduledStop
 
 
@@ -90,7 +91,7 @@ class Aside:
 def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return how far (n,), m, C runs beside the lane's centre at arc lengths `s` (n,): a quintic leads it back."""
     t = np.clip((s - aside.back) / max(aside.until - aside.back, 0.1), 0.0, 1.0)
-    return np.asarray(aside.lateral * (1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t**2)))
+    return np.asarray(aside.lateral * (1.0 - eased(t)))
 
 
 @dataclass(frozen=True, eq=False)

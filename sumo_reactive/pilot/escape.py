@@ -10,7 +10,7 @@ from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Re
 from sumo_reactive.messages.event import EventKind
 from sumo_reactive.messages.snapshot import PathObstacle
 from sumo_reactive.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M, STANDING_SPEED
-from sumo_reactive.pilot.manoeuvre import lateral_for, passed
+from sumo_reactive.pilot.passed import lateral_for, passed
 from sumo_reactive.pilot.situation import Situation
 
 _TOO_NEAR_M = 1.5

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from sumo_reactive.messages.completed_plan import Tuning, VelocityProfile, Weights
 from sumo_reactive.messages.decision import Instruction
+from sumo_reactive.parameters import PASSING_HEADWAY
 
 _USUAL = Weights(valley=10.0, shadow=0.3, velocity=1.0)
 _WEAKENED = Weights(valley=4.0, shadow=1.0, velocity=1.0)
@@ -19,7 +20,7 @@ TUNINGS: dict[Instruction, Tuning] = {
     Instruction.STOP: Tuning(_USUAL, _CALM),
     Instruction.CROSS: Tuning(_USUAL, _CALM),
     # the attraction of C gives way, U₂ counts three times as much, and the gap behind X may close while pulling out
-    Instruction.OVERTAKE: Tuning(_WEAKENED, VelocityProfile(headway=0.6)),
+    Instruction.OVERTAKE: Tuning(_WEAKENED, VelocityProfile(headway=PASSING_HEADWAY)),
     Instruction.RETURN: Tuning(_USUAL, _CALM),
     # behind X again soon: brake a third harder than in comfort, keep the whole headway
     Instruction.FALL_BACK: Tuning(_USUAL, VelocityProfile(deceleration=1.35)),

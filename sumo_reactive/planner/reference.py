@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sumo_reactive.geometry.polyline import Points, Polyline, cut
+from sumo_reactive.geometry.polyline import Points, Polyline, cut, eased
 from sumo_reactive.parameters import CURVE_RUNOUT_M, CURVE_STEP_M, LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
 from sumo_reactive.planner.lane_path import LaneStep
 from sumo_reactive.world.junction import Connection
@@ -124,7 +124,7 @@ class Reference:
         old = resampled(cut(lane.spine, begin, begin + length))
         feet, new = project_all(following.spine, old)
         share = np.linspace(0.0, 1.0, len(old))[:, None]
-        line = old + (new - old) * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+        line = old + (new - old) * eased(share)
         half = len(line) // 2
         self._append(line[: half + 1])
         self.pieces.append(Piece(following, index, self.length, float(feet[half])))

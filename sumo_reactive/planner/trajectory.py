@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.geometry.polyline import Points, Polyline, cut, moved_aside
+from sumo_reactive.geometry.polyline import Points, Polyline, cut, eased, moved_aside
 from sumo_reactive.messages.plan import Aside, lateral_of
 from sumo_reactive.parameters import (
     CURVE_STEP_M,
@@ -118,7 +118,7 @@ def _met_from(
     length = max(side_step_length(away, error, speed, width, limits), _length_in_bend(line, away, speed, limits))
     length = min(length, (len(line) - 1) * CURVE_STEP_M)
     t = np.minimum(np.arange(len(line)) * CURVE_STEP_M / length, 1.0)[:, None]
-    place = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
+    place = 1.0 - eased(t)
     slope = t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2)
     return line + offset * place + turn * length * slope, length
 

@@ -20,20 +20,9 @@ from sumo_reactive.parameters import (
     STANDING_SPEED,
     UPDATE_ASIDE_M,
 )
-from sumo_reactive.pilot.manoeuvre import (
-    UNDER_WAY,
-    Passed,
-    find,
-    in_the_way_back,
-    is_clear_of,
-    lane_in_use,
-    lateral_for,
-    legal_end,
-    passed,
-    proof,
-    prove,
-)
+from sumo_reactive.pilot.manoeuvre import UNDER_WAY, in_the_way_back, proof, prove
 from sumo_reactive.pilot.memory import Overtaking
+from sumo_reactive.pilot.passed import Passed, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
 from sumo_reactive.pilot.situation import BehaviourRule, Proof, Situation
 from sumo_reactive.vehicle.safe_speed import following_speed
 
