@@ -50,7 +50,8 @@ class Traffic:
     """All that is seen at `time` (s): the others, and the letters of each traffic light by its id.
 
     `sight` (m): how far ahead the oncoming lane was looked at. `static` (k, 2): points, m, of what stands near for good,
-    roads' borders apart, which the map tells.
+    roads' borders apart, which the map tells. `beside`: pedestrians who are about to step on a crossing, their position
+    negative or beyond its length; they are not on the road yet.
     """
 
     time: float
@@ -58,3 +59,4 @@ class Traffic:
     lights: Mapping[str, str]
     sight: float = 0.0
     static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)
+    beside: tuple[RoadUser, ...] = ()

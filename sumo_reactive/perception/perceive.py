@@ -56,7 +56,7 @@ def perceive(
     boxes = _boxes(traffic.users)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
-    foes = tuple(_foes(traffic.users, plan, graph, sight)) if sight else ()
+    foes = tuple(_foes((*traffic.users, *traffic.beside), plan, graph, sight)) if sight else ()
     neighbours = tuple(_neighbours(traffic.users, plan, graph, ego, limits, front))
     near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)

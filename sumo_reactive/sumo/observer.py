@@ -77,7 +77,7 @@ class Observer:
         lights = {light: state(light) for light in self._lights}
         static = self._static.near(*plan.curve.at(front)[:2])
         users = (*self._vehicles(now), *self._persons(), *static.users)
-        return Traffic(now, users, lights, sight, static.points)
+        return Traffic(now, users, lights, sight, static.points, tuple(self._about_to_cross()))
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""
@@ -115,14 +115,18 @@ class Observer:
                 yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting, halted)
 
     def _persons(self) -> Iterator[RoadUser]:
-        """Yield who walks over a crossing, and who is about to: a negative position, or one beyond its length."""
+        """Yield who walks over a crossing."""
         person, on_edge = libsumo.person, libsumo.edge.getLastStepPersonIDs
         for crossing in self._crossings:
             for name in on_edge(crossing.edge_id):
                 yield self._walker(name, crossing.lane_id, heading_of(person.getAngle(name)), person.getLanePosition(name))
+
+    def _about_to_cross(self) -> Iterator[RoadUser]:
+        """Yield who is about to step on a crossing: at a negative position, or one beyond its length."""
+        for crossing in self._crossings:
             for edge_id in crossing.walks:
-                for name in on_edge(edge_id):
-                    if person.getNextEdge(name) == crossing.edge_id:
+                for name in libsumo.edge.getLastStepPersonIDs(edge_id):
+                    if libsumo.person.getNextEdge(name) == crossing.edge_id:
                         yield from self._stepping_on(name, crossing)
 
     def _stepping_on(self, name: str, crossing: _Crossing) -> Iterator[RoadUser]:

@@ -146,7 +146,7 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
     if snapshot.ego.speed < HESITATING_SPEED:  # an ego that starts in vain has been waiting all the same
         standing = max(standing, snapshot.time - memory.progress_time - HESITATION_S)
     if user.body.is_person:
-        return foe.to_stop_line < 0.0 or _may_step_on(foe, snapshot)
+        return foe.to_stop_line < 0.0 or _may_step_on(foe, snapshot, standing)
     if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):
         return False
     if user.speed >= STANDING_SPEED:
@@ -158,8 +158,13 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
     return user.waiting_time <= FOE_PATIENCE_S or standing <= FOE_PATIENCE_S
 
 
-def _may_step_on(foe: Foe, snapshot: Snapshot) -> bool:
-    """Whether a pedestrian beside a crossing may walk: at green, or without a light where he goes first."""
+def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
+    """Whether a pedestrian beside a crossing may walk: at green, or without a light where he goes first.
+
+    One who does not move, though the ego has been `standing` for a while (s), lets it go.
+    """
+    if foe.user.speed < STANDING_SPEED and standing > FOE_PATIENCE_S:
+        return False
     letter = letter_of(foe.conflict.other, snapshot)
     return letter in "gG" if letter else foe.conflict.must_yield
 
