@@ -25,18 +25,21 @@ class Band(NamedTuple):
     widest: float
 
 
-@lru_cache(maxsize=4)
 def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     """Return the corridor that the body sweeps while the front axle follows C.
 
     In a bend the rear axle cuts the inside and the front bumper swings to the outside.
     """
-    half = 0.5 * limits.width
-    bend = float(curve.curvature[: int(limits.wheelbase / curve.step) + 1].mean())
-    angle = math.asin(min(max(bend * limits.wheelbase, -0.9), 0.9))  # as in a steady turn
-    left, right = _swept(
-        curve.x, curve.y, curve.heading, curve.step, float(curve.heading[0]) - angle, limits.wheelbase, limits.front_overhang
-    )
+    return _band(curve, limits.width, limits.wheelbase, limits.front_overhang)
+
+
+@lru_cache(maxsize=4)
+def _band(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
+    half = 0.5 * width
+    bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())
+    angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
+    heading = float(curve.heading[0]) - angle
+    left, right = _swept(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, overhang)
     left, right = (half + np.maximum(side, CORRIDOR_MARGIN_M) for side in (left, right))
     return Band(left, right, float(max(left.max(), right.max())))
 

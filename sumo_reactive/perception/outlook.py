@@ -6,7 +6,7 @@ from sumo_reactive.messages.forecast import Outlook
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S
+from sumo_reactive.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S, SLOW_SHARE
 from sumo_reactive.perception.beside import lanes_beside
 from sumo_reactive.perception.foresee import foresee
 from sumo_reactive.world.road_graph import RoadGraph
@@ -17,7 +17,8 @@ def outlook(traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: Road
     beside it if there is anybody to pass."""
     front = snapshot.front
     users, duration = (traffic.users, OVERTAKING_S) if traffic.sight > 0.0 else (_concerned(snapshot), ASSESSED_S)
-    passing = snapshot.on_path or plan.aside
+    slow = SLOW_SHARE * plan.road_speed(snapshot.s)
+    passing = plan.aside is not None or any(obstacle.along < slow for obstacle in snapshot.on_path)
     beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M)) if passing else ()
     here = next((segment for segment in plan.segments if front < segment.end), None)
     width = graph.lanes[here.lane_id].width if here else 0.0

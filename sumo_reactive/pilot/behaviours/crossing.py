@@ -97,8 +97,10 @@ def judge(
 def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
     """Return the foe with the right of way that the lights' letters leave: nobody yields at a full green or with the light
     off, whatever the map says, and between paths that yield to each other the higher letter goes first."""
+    if not foe.conflict.is_yielded_to or not snapshot.lights:
+        return foe
     own, theirs = letter_of(crossing.connection, snapshot), letter_of(foe.conflict.other, snapshot)
-    if theirs and theirs in "GO" and foe.conflict.is_yielded_to:
+    if theirs and theirs in "GO":
         foe = foe._replace(conflict=foe.conflict._replace(is_yielded_to=False))
     conflict = foe.conflict
     if not (conflict.must_yield and conflict.is_yielded_to):
