@@ -15,7 +15,7 @@ from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S
-from sumo_reactive.perception.attention import conflicts_of, in_sight
+from sumo_reactive.perception.attention import conflicts_of
 from sumo_reactive.perception.outlook import outlook
 from sumo_reactive.perception.perceive import locate, perceive
 from sumo_reactive.perception.static import static_within
@@ -125,7 +125,7 @@ class Controller:
         return locate(ego, plan, self.limits, s_before)[0]
 
     def _ahead(self, snapshot: Snapshot, plan: NominalPlan) -> Ahead:
-        ids = ((i, plan.passages[i].connection_id) for i in in_sight(plan, snapshot.front, snapshot.ego.speed))
+        ids = ((i, plan.passages[i].connection_id) for i in snapshot.passages)
         return tuple((i, self.graph.connections[name], conflicts_of(self.graph, name)) for i, name in ids)
 
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:

@@ -110,7 +110,7 @@ def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits,
     plan, speed, target = completed.plan, snapshot.ego.speed, _target(snapshot, completed)
     acceleration = limits.max_acceleration * completed.tuning.profile.acceleration
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
-    road = float(plan.speed_limits[min(max(sample, 0), len(plan.speed_limits) - 1)])
+    road = plan.speed_limits.item(min(max(sample, 0), len(plan.speed_limits) - 1))
     best = road
     if target is not None:
         left = target.time - snapshot.time - TIME_TOLERANCE_S

@@ -43,10 +43,11 @@ class Curve:
         u = min(max(s / self.step, 0.0), len(self.x) - 1.0)
         i = min(int(u), len(self.x) - 2)
         f = u - i
+        x, y, heading = self.x.item(i), self.y.item(i), self.heading.item(i)
         return (
-            float(self.x[i] + f * (self.x[i + 1] - self.x[i])),
-            float(self.y[i] + f * (self.y[i + 1] - self.y[i])),
-            float(self.heading[i] + f * (self.heading[i + 1] - self.heading[i])),
+            x + f * (self.x.item(i + 1) - x),
+            y + f * (self.y.item(i + 1) - y),
+            heading + f * (self.heading.item(i + 1) - heading),
         )
 
 

@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.compilation import kernel
+
 Points = NDArray[np.float64]
 
 
@@ -51,16 +53,63 @@ class Polyline:
 
     def project(self, x: float, y: float) -> tuple[float, float]:
         """Return (s, d) of the closest point: arc length and signed distance, left positive, m."""
-        a, b = self.points[:-1], self.points[1:]
-        step = b - a
-        squared = np.maximum((step**2).sum(axis=1), 1e-12)
-        t = np.clip((((x, y) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
-        foot = a + t[:, None] * step
-        away = (x, y) - foot
-        i = int(np.argmin((away**2).sum(axis=1)))
-        side = step[i, 0] * away[i, 1] - step[i, 1] * away[i, 0]
-        s = self.arc_lengths[i] + t[i] * math.sqrt(squared[i])
-        return float(s), math.copysign(math.hypot(*away[i]), side)
+        return _closest(np.ascontiguousarray(self.points), self.arc_lengths, x, y)
+
+    def arc_lengths_at(self, places: Points) -> NDArray[np.float64]:
+        """Return the arc length (n,), m, of the closest point to each of `places` (n, 2), m."""
+        return _closest_to_each(np.ascontiguousarray(self.points), self.arc_lengths, np.ascontiguousarray(places))
+
+    def sampled(self, step: float) -> NDArray[np.float64]:
+        """Return x, y (m) and heading (rad, unwrapped) every `step` m up to the first sample beyond the end, (n ≥ 2, 3)."""
+        return _sampled(np.ascontiguousarray(self.points), self.arc_lengths, step)
+
+
+@kernel
+def _closest(points: Points, arc_lengths: NDArray[np.float64], x: float, y: float) -> tuple[float, float]:
+    """Return (s, d) as `Polyline.project` does, for its `points` (n, 2) and `arc_lengths` (n,), m."""
+    best, s, d = math.inf, 0.0, 0.0
+    for i in range(len(points) - 1):
+        ex, ey = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+        px, py = x - points[i, 0], y - points[i, 1]
+        squared = max(ex * ex + ey * ey, 1e-12)
+        t = min(max((px * ex + py * ey) / squared, 0.0), 1.0)
+        dx, dy = px - t * ex, py - t * ey
+        away = dx * dx + dy * dy
+        if away < best:
+            best = away
+            s = arc_lengths[i] + t * math.sqrt(squared)
+            d = math.copysign(math.sqrt(away), ex * dy - ey * dx)
+    return s, d
+
+
+@kernel
+def _closest_to_each(points: Points, arc_lengths: NDArray[np.float64], places: Points) -> NDArray[np.float64]:
+    out = np.empty(len(places))
+    for k in range(len(places)):
+        out[k] = _closest(points, arc_lengths, places[k, 0], places[k, 1])[0]
+    return out
+
+
+@kernel
+def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    last = len(points) - 1
+    n = max(int(math.ceil((arc_lengths[last] + step) / step - 1e-9)), 2)
+    out = np.empty((n, 3))
+    i = 0
+    for k in range(n):
+        s = min(k * step, arc_lengths[last])
+        while i < last - 1 and arc_lengths[i + 1] < s:
+            i += 1
+        t = (s - arc_lengths[i]) / max(arc_lengths[i + 1] - arc_lengths[i], 1e-12)
+        out[k, 0] = points[i, 0] + t * (points[i + 1, 0] - points[i, 0])
+        out[k, 1] = points[i, 1] + t * (points[i + 1, 1] - points[i, 1])
+    for k in range(n):
+        a, b = max(k - 1, 0), min(k + 1, n - 1)
+        heading = math.atan2(out[b, 1] - out[a, 1], out[b, 0] - out[a, 0])
+        if k > 0:
+            heading -= 2.0 * math.pi * math.floor((heading - out[k - 1, 2]) / (2.0 * math.pi) + 0.5)
+        out[k, 2] = heading
+    return out
 
 
 def eased(share: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -120,13 +120,14 @@ class NominalPlan:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""
         samples = min(max(s / self.curve.step, 0.0), len(self.times) - 1.0)
         i = min(int(samples), len(self.times) - 2)
-        return float(time - self.times[i] - (samples - i) * (self.times[i + 1] - self.times[i]))
+        here, ahead = self.times.item(i), self.times.item(i + 1)
+        return time - here - (samples - i) * (ahead - here)
 
     def nominal_speed(self, s: float) -> float:
         """The speed on schedule with the front axle at arc length `s`, m/s."""
         i = min(max(int(s / self.curve.step), 0), len(self.times) - 2)
-        return float(self.curve.step / max(self.times[i + 1] - self.times[i], 1e-3))
+        return self.curve.step / max(self.times.item(i + 1) - self.times.item(i), 1e-3)
 
     def road_speed(self, s: float) -> float:
         """The highest speed that road and curve allow with the front axle at arc length `s`, m/s."""
-        return float(self.speed_limits[min(max(int(s / self.curve.step), 0), len(self.speed_limits) - 1)])
+        return self.speed_limits.item(min(max(int(s / self.curve.step), 0), len(self.speed_limits) - 1))

@@ -75,7 +75,7 @@ class Snapshot(NamedTuple):
 
     `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 6): x, y, heading, speed, length,
     width of every user near (front bumper centre). `static` (k, 2): points of O_S, m. `leaders`: all of `on_path` that the
-    ego must stay behind. `lights`: letters by light id.
+    ego must stay behind. `lights`: letters by light id. `passages`: indices of the plan's passages in sight.
     """
 
     time: float
@@ -90,3 +90,4 @@ class Snapshot(NamedTuple):
     foes: tuple[Foe, ...]
     neighbours: tuple[Neighbour, ...]
     lights: Mapping[str, str]
+    passages: tuple[int, ...] = ()

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> F
     """Return the paths of `users` for `duration` s; both branches, or all, where a route is unknown (F&L 1991, §2)."""
     ids: list[str] = []
     chunks: list[Array] = []
-    bodies: list[tuple[float, ...]] = []
+    bodies: list[float] = []
     for user in users:
         for path in _paths_of(graph, user):
             at = min(max(int(user.lane_position / PATH_STEP_M), 0), len(path) - 2)
@@ -32,12 +33,12 @@ def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> F
             chunks.append(near)
             limit = graph.lanes[user.lane_id].speed_limit if user.lane_id else 0.0
             start = user.lane_position - at * PATH_STEP_M
-            bodies.append((start, _beside(near[0], user), user.speed, user.body.length, user.body.width, limit))
+            bodies += (start, _beside(near[0].tolist(), user), user.speed, user.body.length, user.body.width, limit)
     if not ids:
         return NOBODY
-    count = np.array([len(chunk) for chunk in chunks])
-    first = np.concatenate(([0], np.cumsum(count)[:-1]))
-    return Forecast(tuple(ids), np.concatenate(chunks), first, count, np.array(bodies))
+    counts = [len(chunk) for chunk in chunks]
+    first = np.array([0, *accumulate(counts[:-1])])
+    return Forecast(tuple(ids), np.concatenate(chunks), first, np.array(counts), np.array(bodies).reshape(-1, 6))
 
 
 NOBODY = Forecast((), np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 6)))
@@ -60,7 +61,7 @@ def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple
     lane = graph.lanes.get(lane_id)
     if lane is None:
         return ()
-    return tuple(_sampled(line) for line in _lines(graph, lane_id, edges))
+    return tuple(Polyline(np.vstack(chunks)).sampled(PATH_STEP_M) for chunks in _lines(graph, lane_id, edges))
 
 
 def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:
@@ -85,15 +86,7 @@ def _ways(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[Co
             yield way
 
 
-def _sampled(chunks: list[Array]) -> Array:
-    line = Polyline(np.vstack(chunks))
-    s = np.arange(0.0, line.length + PATH_STEP_M, PATH_STEP_M)
-    x, y = (np.interp(s, line.arc_lengths, line.points[:, k]) for k in (0, 1))
-    heading = np.unwrap(np.arctan2(np.gradient(y), np.gradient(x)))
-    return np.column_stack([x, y, heading])
-
-
-def _beside(point: Array, user: RoadUser) -> float:
+def _beside(point: Sequence[float], user: RoadUser) -> float:
     """How far left of a point (x, y, heading) of its path the user's front is, m."""
     x, y, heading = point
-    return float((user.y - y) * math.cos(heading) - (user.x - x) * math.sin(heading))
+    return (user.y - y) * math.cos(heading) - (user.x - x) * math.sin(heading)

@@ -61,7 +61,7 @@ def perceive(
     near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
     behind = tuple(leaders(on_path, front, ego.speed, limits))
-    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, traffic.lights)
+    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, traffic.lights, sight)
 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Array:

@@ -8,7 +8,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.geometry.polyline import Polyline
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.traffic import NO_POINTS
 from sumo_reactive.parameters import BORDER_STEP_M, STATIC_REACH_M
@@ -67,14 +66,4 @@ def _of_lane(graph: RoadGraph, lane_id: str, vehicle_class: str) -> tuple[Array,
     """Return the border points of a lane's road: arc length on the lane's spine (n,), place (n, 2), m."""
     lane = graph.lanes[lane_id]
     points = borders(graph, lane.edge_id, vehicle_class)
-    return _arc_lengths(lane.spine, points), points
-
-
-def _arc_lengths(line: Polyline, points: Array) -> Array:
-    """Return the arc length (n,), m, of the place on `line` that is nearest to each point."""
-    start, step, length = line.points[:-1], np.diff(line.points, axis=0), np.diff(line.arc_lengths)
-    away = points[:, None, :] - start
-    share = np.clip((away * step).sum(axis=2) / np.maximum(length**2, 1e-12), 0.0, 1.0)
-    beyond = ((away - share[:, :, None] * step) ** 2).sum(axis=2)
-    rows, nearest = np.arange(len(points)), np.argmin(beyond, axis=1)
-    return np.asarray(line.arc_lengths[nearest] + share[rows, nearest] * length[nearest])
+    return lane.spine.arc_lengths_at(points), points

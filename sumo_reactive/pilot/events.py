@@ -41,7 +41,8 @@ def detect(
     premises = memory.premises
     if held is None or premises is None or premises.plan is not plan:
         return (Event(EventKind.NEW_PLAN),)
-    found = [*_others(snapshot, held, premises), *_own(snapshot, plan, ahead, premises), *_times(snapshot, held, memory)]
+    found = [*_others(snapshot, held, premises), *_own(snapshot, plan, ahead, premises)]
+    found += _times(snapshot, held, memory, premises)
     if no_command:
         found.append(Event(EventKind.NO_COMMAND))
     return tuple(found)
@@ -78,9 +79,9 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> Iter
     for light, letters in snapshot.lights.items():
         if premises.lights.get(light) != letters:
             yield Event(EventKind.LIGHT_CHANGE, light)
-    speeds = _speeds(snapshot)
+    speeds, trusted = _speeds(snapshot), premises.speeds
     for user_id, speed in speeds.items():
-        foreseen = premises.speeds.get(user_id)
+        foreseen = trusted.get(user_id)
         if foreseen is None:
             yield Event(EventKind.NEW_OBSTACLE, user_id)
         elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
@@ -109,10 +110,10 @@ def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises
         yield Event(EventKind.OFF_NOMINAL)
 
 
-def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> Iterator[Event]:
+def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> Iterator[Event]:
     """Yield what is due: times that the plan or an instruction named, delays, want of progress."""
-    premises, now = memory.premises, snapshot.time
-    if premises is not None and now >= premises.trusted_until - 1e-6:
+    now = snapshot.time
+    if now >= premises.trusted_until - 1e-6:
         yield Event(EventKind.FORECAST_EXPIRED)
     if memory.serving_until is not None and now >= memory.serving_until:
         yield Event(EventKind.TIME_REACHED)

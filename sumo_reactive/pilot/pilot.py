@@ -11,7 +11,7 @@ from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Replann
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason, StopAt
 from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.forecast import Outlook
-from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.parameters import OVERTAKING_SIGHT_M, PROGRESS_M, STANDING_SPEED
 from sumo_reactive.pilot.assessment import assess
@@ -94,15 +94,14 @@ def decide(
     behaviour = next_behaviour(situation)
     orders = _ordered(situation, behaviour, rules, changing)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
-    completed = _completed(situation, behaviour, orders, rules, changing.slot, style)
     constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
-    if completed.request.what is Replanning.NOTHING:
-        completed = replace(completed, request=Request(asks))
+    if orders.request.what is Replanning.NOTHING:
+        orders = orders._replace(request=Request(asks))
+    completed = _completed(situation, behaviour, orders, constraints, rules, changing.slot, style)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(snapshot, plan, ahead, is_watchful=watchful, is_settled=settled)
-    memory = memory._replace(behaviour=behaviour, premises=premises)
-    return replace(completed, time_constraints=constraints), memory
+    return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 
 def _assess(
@@ -183,15 +182,20 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
 
 
 def _completed(
-    situation: Situation, behaviour: Behaviour, orders: Orders, rules: Rules, slot: str, style: Style
+    situation: Situation,
+    behaviour: Behaviour,
+    orders: Orders,
+    constraints: tuple[TimeConstraint, ...],
+    rules: Rules,
+    slot: str,
+    style: Style,
 ) -> CompletedPlan:
-    """Return P⁺ with everything but its time constraints."""
     return CompletedPlan(
         plan=situation.plan,
         behaviour=behaviour,
         instruction=orders.instruction,
         tuning=_tuning(orders.instruction, style, orders.top_speed),
-        time_constraints=(),
+        time_constraints=constraints,
         stop=orders.stop,
         intent=_intent(orders.stop),
         decisions=orders.decisions,
