@@ -93,7 +93,7 @@ def _closest_to_each(points: Points, arc_lengths: NDArray[np.float64], places: P
 @kernel
 def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     last = len(points) - 1
-    n = max(int(math.ceil((arc_lengths[last] + step) / step - 1e-9)), 2)
+    n = max(math.ceil((arc_lengths[last] + step) / step - 1e-9), 2)
     out = np.empty((n, 3))
     i = 0
     for k in range(n):
