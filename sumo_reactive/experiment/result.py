@@ -70,6 +70,19 @@ class TrialResult:
         return self.end_s - self.departure_s
 
     @property
+    def metrics(self) -> dict[str, float | int | None]:
+        """Every figure that the same trial gives again, by name, units in the names; None where there is none."""
+        return {
+            "arrived": int(self.arrived),
+            "duration_s": round(self.duration_s, 3),
+            "time_loss_s": round(self.time_loss_s, 3),
+            "distance_m": round(self.distance_m, 3),
+            "collisions": len(self.collisions),
+            "violations": len(self.violations),
+            **self.figures,
+        }
+
+    @property
     def exit_code(self) -> int:
         """0: arrived without a collision or violation; else 1."""
         return 0 if self.arrived and not self.collisions and not self.violations else 1
