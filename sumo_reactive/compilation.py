@@ -6,14 +6,17 @@ therefore lies in a folder named after the contents of all sources that hold ker
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
+
+from sumo_reactive.overrides import overrides
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -23,13 +26,31 @@ _KERNEL_ROOMS = ("geometry", "vehicle", "perception", "pilot", "executor")
 def _cache_folder() -> Path:
     package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in (package / "parameters.py", *(s for room in _KERNEL_ROOMS for s in sorted((package / room).glob("*.py")))):
+    sources = [source for room in _KERNEL_ROOMS for source in sorted((package / room).glob("*.py"))]
+    for source in (package / "parameters.py", *sources):
         digest.update(source.read_bytes())
+    for name, value in _compiled_in(overrides(), sources):
+        digest.update(f"{name}={value!r}".encode())
     base = os.environ.get("XDG_CACHE_HOME")
     root = Path(base) if base else Path.home() / ".cache"
     if not os.access(root if root.exists() else root.parent, os.W_OK):
         root = Path(tempfile.gettempdir())
     return root / "sumo_reactive" / digest.hexdigest()[:16]
+
+
+def _compiled_in(asked: dict[str, float], sources: Iterable[Path]) -> Iterator[tuple[str, float]]:
+    """Yield those overrides that kernels read: named in a kernel, or in a constant of a file that may hold some."""
+    if not asked:
+        return
+    read = {name for source in sources for name in _names_compiled(ast.parse(source.read_bytes()))}
+    yield from sorted((name, value) for name, value in asked.items() if name in read)
+
+
+def _names_compiled(module: ast.Module) -> Iterator[str]:
+    for node in module.body:
+        is_kernel = isinstance(node, ast.FunctionDef) and any(ast.unparse(one) == "kernel" for one in node.decorator_list)
+        if is_kernel or isinstance(node, ast.Assign | ast.AnnAssign):
+            yield from (part.id for part in ast.walk(node) if isinstance(part, ast.Name))
 
 
 CACHE_FOLDER = _cache_folder()

@@ -109,7 +109,7 @@ class Controller:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2)."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
         ahead = self._ahead(snapshot, plan)
-        no_command = drive.last is not None and drive.last.emergency
+        no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command)
         if not events and drive.completed is not None:
             return drive.completed, memory

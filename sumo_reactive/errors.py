@@ -19,6 +19,18 @@ class ScenarioError(InputError):
     """A scenario that cannot be run as asked: unknown ego, unknown key, impossible step length."""
 
 
+class ParameterError(InputError):
+    """A value for a constant of `parameters.py` that cannot be: unknown name, or not a number."""
+
+
+class StoreError(InputError):
+    """A store of an experiment that cannot be used or written: of another version, in use by another process, no room."""
+
+
+class ClusterError(InputError):
+    """A scheduler that cannot be reached, or whose workers cannot run this package."""
+
+
 class PlanError(InputError):
     """A route that no lane sequence connects."""
 

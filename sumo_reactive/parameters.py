@@ -1,5 +1,7 @@
 """Every constant with its unit, symbol and source. Names carry the unit where it is not plain from the name."""
 
+from sumo_reactive.overrides import apply_overrides
+
 # --- world model ------------------------------------------------------------------------------------------------------
 SWEPT_WIDTH_M = 2.2
 """Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
@@ -27,6 +29,10 @@ TAIL_REACH_M = 20.0
 
 HOLD_BACK_REACH_M = 12.0
 """Approach and exit lanes are looked at this far from the stop line for a place where they lie over each other."""
+
+BEFORE_THE_LINE_M = 3.0
+"""Where a region begins farther before a stop line than this, nobody is trusted to yield: SUMO's cars look at each other's
+times behind the lines only."""
 
 MIN_TAIL_M = 2.0
 """Shorter parts are rounding of the map."""
@@ -95,6 +101,10 @@ COMFORT_DEVIATION_M = 0.25
 
 TURN_REACH = 2.8
 """A turn too tight to steer is refitted this many turning radii on both sides: room to swing out and come back."""
+
+MAX_CENTRING_M = 0.6
+"""In a bend a long vehicle keeps to the outside by at most this, as its rear keeps to the inside: farther, its front bumper
+would reach into the next lane."""
 
 MAX_STEERING_PER_M = 0.2
 """rad/m; C turns the wheels no faster in a turn that was refitted: 0.8 rad/s at 4 m/s."""
@@ -198,6 +208,9 @@ FOE_CAN_STOP_DECELERATION = 4.0
 FOE_PATIENCE_S = 3.0
 """A foe with priority that has been standing this long, while the ego has too, is not about to go."""
 
+LEAST_PATIENCE_S = 1.0
+"""The longer it has stood, the less the ego need have: the two times together are twice that, the ego's at least this."""
+
 FOLLOWER_DECELERATION = 2.0
 """m/s²; braking that the ego may ask of traffic behind it when it merges, and of itself behind traffic ahead."""
 
@@ -249,9 +262,6 @@ CAUTIOUS_AHEAD_M = 10.0
 WAIT_SHIFT_M = 4.0
 """A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
 
-LANE_CHANGE_CLEAR_M = 40.0
-"""With nobody nearer than this ahead on the other lane, the ego can speed up there."""
-
 FOLLOWER_HEADWAY_S = 0.8
 """Time headway left to who is behind on the other lane, while there is still way for another gap."""
 
@@ -264,8 +274,20 @@ URGENT_S = 5.0
 URGENT_REACTION_S = 0.15
 """Time headway that is left at the last place for a change…"""
 
-URGENT_FOLLOWER_DECELERATION = 3.5
-"""…and the braking (m/s²) asked of the follower there; 4.5 is what SUMO's default car does in normal driving."""
+URGENT_DECELERATION = 3.5
+"""…and the braking (m/s²) that the ego asks of itself there behind who is ahead."""
+
+FEARED_DECELERATION = 4.5
+"""m/s²; a follower keeps clear of somebody ahead who may brake so: what SUMO's default car does in normal driving…"""
+
+EASY_STOP_DECELERATION = 3.3
+"""…and must then stop with this (m/s²), which at equal speeds of 28 m/s is a headway of 1.2 s…"""
+
+HARD_STOP_DECELERATION = 3.8
+"""…and with this at the last place for a change: SUMO's cars brake 1.2 times as hard as they must, here 4.6 m/s²…"""
+
+FOLLOWER_STANDSTILL_GAP_M = 2.5
+"""…and with this gap at standstill (SUMO's minGap)."""
 
 OFF_THE_LINE_M = 1.5
 """A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
@@ -291,6 +313,18 @@ DELAY_STEP_S = 5.0
 
 NO_PROGRESS_S = 20.0
 """An ego that has not come on for this long, though nobody has the right to block it, looks for an escape."""
+
+MISSED_TURN_S = 25.0
+"""An ego that has waited so long at the end of its lane, while traffic keeps passing, looks for another way…"""
+
+QUEUE_PATIENCE_S = 90.0
+"""…and one that waits beside a queue, or farther back, after this long: a light's cycle."""
+
+AT_LANE_END_M = 5.0
+"""At the end of its lane is who is not farther than a car's length from the last place to change."""
+
+CREEPING_SPEED = 1.0
+"""m/s; who is slower than this creeps, and still waits."""
 
 PROGRESS_M = 3.0
 """Coming on means this far."""
@@ -430,8 +464,11 @@ SAFE_GAP_M = 0.5
 STOP_LINE_MARGIN_M = 0.7
 """Planned distance of the front bumper to a line."""
 
-HARD_STOP_MARGIN_M = 0.4
-"""Distance to a line that no admissible command gives up."""
+TURN_FORESEEN_S = COLLISION_HORIZON_S
+"""The others' turning is taken over this time, along their lanes."""
+
+HARD_STOP_MARGIN_M = 0.15
+"""Distance to a line that no admissible command gives up; a line that asks late is stopped at so near."""
 
 MAX_LATERAL_JERK = 14.0
 """m/s³; bounds φ̇max at road speed. With 8 a car at 30 m/s needed 0.9 s to reverse its steering and wove about C."""
@@ -463,8 +500,19 @@ EXCESS_GAIN = 2.0
 BRAKING_SHARE = 0.8
 """Share of the way to the hard margin within which a late stop is planned, where the comfortable margin is used up."""
 
-COMFORT_EXCESS = 1.2
-"""Braking harder than this times the comfortable one may jerk."""
+PLANNED_DECELERATION = 3.0
+"""m/s²; hardest braking that is no emergency: what a yellow asks for. Harder is an emergency, and only where this braking
+does not stop clear."""
+
+PRESSING_GAIN = 3.0
+"""Where a stop or a leader needs more than comfortable braking, the ego brakes by this many times the difference harder at
+once, up to the planned: the way that is won early spares an emergency."""
+
+BEND_SHARE = 0.9
+"""Share of the largest lateral acceleration that a bend may take which comes too soon for the comfortable one."""
+
+BEND_ENTRY_S = 0.5
+"""s; what a bend asks for nearer than this is not braked for harder than planned: it comes too late to help."""
 
 
 # --- control step -----------------------------------------------------------------------------------------------------
@@ -518,8 +566,38 @@ PLAN_RESERVE_M = 600.0
 OFF_CURVE_M = 1.5
 """An ego this far from C plans anew from where it is."""
 
+CUT_M = 0.6
+"""A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
+0.7 m."""
+
+CUT_SIGHT_M = 60.0
+"""So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
+
+CUT_SEEN_S = 2.0
+"""So long before, at the present speed: who comes from behind needs as much to fall back."""
+
 STRADDLE_M = 0.1
 """A body nearer than this to a lane border is taken to reach over it."""
 
+DETOUR_PATIENCE_S = 90.0
+"""An ego that missed a turn waits on for as long as the other way takes longer, but no longer than this, a light's cycle."""
+
 STUCK_S = 600.0
 """s; an ego that has been standing this long ends the run as not arrived."""
+
+
+# --- trials in processes of their own --------------------------------------------------------------------------------
+MAX_TRIALS = 100
+"""Trials that one process runs before another takes its place: its start (1 s) is then 10 ms a trial."""
+
+MAX_MEMORY_MB = 4096.0
+"""MB; a process that holds more ends its trial as crashed: ten times what a city network takes."""
+
+RECYCLE_MEMORY_MB = 1536.0
+"""MB; a process that holds more after a trial is replaced before the next."""
+
+SCHEDULER_PATIENCE_S = 10.0
+"""s; a scheduler that has not answered until then is not there."""
+
+
+apply_overrides(globals())

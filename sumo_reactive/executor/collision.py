@@ -15,14 +15,25 @@ Array = NDArray[np.float64]
 
 
 @kernel
+def turned(box: Array, t: float) -> tuple[float, float, float]:
+    """Return centre (m) and heading (rad) of a box (7) that has kept speed and turn rate for `t` s."""
+    back = 0.5 * box[4]
+    x, y = box[0] - back * math.cos(box[2]), box[1] - back * math.sin(box[2])
+    half = 0.5 * box[6] * t
+    chord = box[3] * t * (1.0 - half * half / 6.0)
+    return x + chord * math.cos(box[2] + half), y + chord * math.sin(box[2] + half), box[2] + 2.0 * half
+
+
+@kernel
 def braking_collides(
     x: float, y: float, heading: float, speed: float, steering_angle: float, wheelbase: float, axle_to_front: float,
     length: float, width: float, deceleration: float, boxes: Array, start: float, horizon: float, step: float,
 ) -> bool:  # fmt: skip
     """Whether the ego, braking along its arc from `start` s ahead, touches a predicted footprint within `horizon` s.
 
-    The others keep speed and heading. Who now has the front behind the ego's middle, or is touched only while the ego
-    stands, has to look out himself. `boxes` (n, 6): front x, y, heading, speed, length, width.
+    The others keep speed and turning. Who now has the front behind the ego's middle, or is touched only while the ego
+    stands, has to look out himself. `boxes` (n, 7): front x, y, heading, speed, length, width, turn
+    rate (rad/s).
     """
     t, v = start, speed
     px, py, ph = x, y, heading
@@ -30,10 +41,7 @@ def braking_collides(
         back = axle_to_front - 0.5 * length
         cx, cy = px + back * math.cos(ph), py + back * math.sin(ph)
         for k in range(len(boxes)):
-            bh, bv = boxes[k, 2], boxes[k, 3]
-            cos_b, sin_b = math.cos(bh), math.sin(bh)
-            reach = bv * t - 0.5 * boxes[k, 4]
-            bx, by = boxes[k, 0] + reach * cos_b, boxes[k, 1] + reach * sin_b
+            bx, by, bh = turned(boxes[k], t)
             ahead = (boxes[k, 0] - x) * math.cos(heading) + (boxes[k, 1] - y) * math.sin(heading)
             if ahead > axle_to_front - 0.5 * length and boxes_overlap(
                 cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]

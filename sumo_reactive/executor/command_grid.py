@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.compilation import kernel
-from sumo_reactive.parameters import COMFORT_JERK, MAX_LATERAL_JERK, PAPER_LATERAL_STEP, PAPER_STEERING_SPEED
+from sumo_reactive.parameters import (
+    COMFORT_JERK,
+    MAX_LATERAL_JERK,
+    PAPER_LATERAL_STEP,
+    PAPER_STEERING_SPEED,
+    PLANNED_DECELERATION,
+)
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
@@ -57,25 +63,27 @@ def fine_grid(
     """A 9 × 9 grid that is fine where the ego is and reaches everything it can do.
 
     Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one, three brake
-    ever harder. Steering rates lie around `steering`, the rate that C asks for.
+    ever harder. After harder braking than planned they lie about the planned one: an emergency ends at once. Steering
+    rates lie around `steering`, the rate that C asks for.
     """
+    planned = min(PLANNED_DECELERATION, limits.service_deceleration)
     accelerations, rates = _fine_axes(
-        acceleration, wanted, steering, steering_rate_limit(limits, speed), COMFORT_JERK * period,
-        limits.service_deceleration, limits.emergency_deceleration, limits.max_acceleration,
+        max(acceleration, -planned), wanted, steering, steering_rate_limit(limits, speed), COMFORT_JERK * period,
+        planned, limits.emergency_deceleration, limits.max_acceleration,
     )  # fmt: skip
     return CommandGrid(accelerations, rates)
 
 
 @kernel
 def _fine_axes(
-    acceleration: float, wanted: float, steering: float, top: float, change: float, service: float, emergency: float,
+    acceleration: float, wanted: float, steering: float, top: float, change: float, planned: float, emergency: float,
     most: float,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Return both axes of the fine grid; `change` (m/s²) is what the comfortable jerk allows, `top` φ̇max (rad/s)."""
     nodes = np.empty(9)
     nodes[:5] = acceleration + change * _JERK_LEVELS
     nodes[5] = min(wanted, acceleration + change)
-    nodes[6], nodes[7], nodes[8] = -service, -0.5 * (service + emergency), -emergency
+    nodes[6], nodes[7], nodes[8] = -planned, -0.5 * (planned + emergency), -emergency
     rates = min(max(steering, -top), top) + top * _STEERING_LEVELS
     return np.minimum(np.maximum(nodes, -emergency), most), np.minimum(np.maximum(rates, -top), top)
 

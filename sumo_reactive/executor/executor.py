@@ -9,21 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid, wide_grid
-from sumo_reactive.executor.field import EMERGENCY, choose_command
+from sumo_reactive.executor.field import ADMISSIBLE, NO_COMMAND, choose_command
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.executor.velocity import cruise_speed
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.messages.completed_plan import CompletedPlan
 from sumo_reactive.messages.decision import Instruction
 from sumo_reactive.messages.plan import TimeConstraint
-from sumo_reactive.messages.snapshot import Neighbour, Snapshot
+from sumo_reactive.messages.record import BEND, STOP_PLACE, TOO_NEAR
+from sumo_reactive.messages.snapshot import Leader, Neighbour, Snapshot
 from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
     BACK_UP_SPEED,
+    BEND_ENTRY_S,
+    BEND_SHARE,
     BRAKING_SHARE,
-    COMFORT_EXCESS,
+    COMFORT_JERK,
+    CURVATURE_WINDOW_M,
     EXCESS_GAIN,
     HARD_STOP_MARGIN_M,
+    PLANNED_DECELERATION,
+    PRESSING_GAIN,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
@@ -38,6 +44,9 @@ from sumo_reactive.vehicle.safe_speed import following_speed, stopping_speed
 
 Array = NDArray[np.float64]
 
+HARDER_BY = 1e-3
+"""m/s²; rounding."""
+
 
 class Potentials(NamedTuple):
     """U and its three terms for the chosen command."""
@@ -51,7 +60,8 @@ class Potentials(NamedTuple):
 class Execution(NamedTuple):
     """The command for the next control period, the state it leads to, and feedback to the pilot.
 
-    `emergency`: no command left a way to stop clear, so the hardest brake along C was taken.
+    `emergency`: it brakes harder than planned, because nothing milder stops clear of `hazard` (see `StepRecord`); with none,
+    no command is admissible, and it is the hardest brake along C.
     """
 
     command: Command
@@ -59,41 +69,110 @@ class Execution(NamedTuple):
     desired_speed: float
     potentials: Potentials
     emergency: bool
+    hazard: str = ""
 
 
-def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
-    """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave (m/s).
+class Wish(NamedTuple):
+    """v_d (m/s); whether braking for it must not wait for the comfortable jerk (`is_pressing`); what planned braking would
+    not stop clear of (`hazard`, empty: nothing)."""
 
-    It falls with the comfortable deceleration, or with the one that a stop or a leader needs if that is greater.
+    speed: float
+    is_pressing: bool = False
+    hazard: str = ""
+
+
+class _Braking(NamedTuple):
+    """A deceleration (m/s²), whether it must not wait, and whether milder, planned braking would not stop clear."""
+
+    rate: float
+    is_pressing: bool = False
+    is_emergency: bool = False
+
+
+def planned_deceleration(limits: VehicleLimits) -> float:
+    """Return the hardest braking that is no emergency, m/s²."""
+    return min(PLANNED_DECELERATION, limits.service_deceleration)
+
+
+def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Wish:
+    """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave.
+
+    It falls with the comfortable deceleration, with up to the planned one where a stop or a leader presses, and only where
+    that would not stop clear, harder: then it names the hazard.
     """
     speed, front, profile = snapshot.ego.speed, snapshot.front, completed.tuning.profile
-    comfort = limits.comfort_deceleration * profile.deceleration
+    comfort = min(limits.comfort_deceleration * profile.deceleration, planned_deceleration(limits))
+    easing = _easing(snapshot, completed, limits, comfort)
     free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
-    best = max(free, speed - _easing(snapshot, completed, limits, comfort) * period)
+    wish = Wish(max(free, speed - easing.rate * period), easing.is_pressing, BEND if easing.is_emergency else "")
     headway = limits.time_headway * profile.headway
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
-        room = max(away, BRAKING_SHARE * (completed.stop.s - HARD_STOP_MARGIN_M - front))
-        braking = max(comfort, _needed(speed, 0.0, room, limits))
-        best = min(best, max(stopping_speed(away, comfort, period), speed - braking * period))
+        braking = _braking(speed, 0.0, away, completed.stop.s - HARD_STOP_MARGIN_M - front, limits, comfort)
+        wish = _lower(wish, stopping_speed(away, comfort, period), speed, braking, period, STOP_PLACE)
     for leader in snapshot.leaders:
         gap = leader.s - front - limits.standstill_gap
-        room = max(gap, BRAKING_SHARE * (leader.s - SAFE_GAP_M - front))
-        braking = max(comfort, _needed(speed, leader.speed, room, limits))
+        braking = _braking(speed, leader.speed, gap, _room_behind(leader, front), limits, comfort)
         following = following_speed(gap, leader.speed, comfort, headway)
-        best = min(best, max(following, speed - braking * period))
+        wish = _lower(wish, following, speed, braking, period, leader.user_id)
     slot = _slot(snapshot, completed.slot) if completed.slot else None
     if slot is not None:
         gap = slot.ahead - slot.user.body.length
         following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
-        best = min(best, max(following, speed - comfort * period))
-    return max(best, 0.0)
+        wish = _lower(wish, following, speed, _Braking(comfort), period, "")
+    return wish if wish.speed >= 0.0 else wish._replace(speed=0.0)
 
 
-def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> float:
-    """Deceleration (m/s²) towards the road's speed: comfortable, harder where a bend comes that the ego is too fast for."""
-    excess = snapshot.ego.speed - completed.plan.road_speed(snapshot.s) - SPEED_SLACK
-    return min(comfort + EXCESS_GAIN * max(excess, 0.0), max(comfort, limits.service_deceleration))
+def _lower(wish: Wish, asked: float, speed: float, braking: _Braking, period: float, hazard: str) -> Wish:
+    """Return `wish` lowered to the `asked` speed (m/s), as far as `braking` takes the ego's `speed` (m/s) there."""
+    reached = max(asked, speed - braking.rate * period)
+    if reached >= wish.speed:
+        return wish
+    return Wish(reached, braking.is_pressing or wish.is_pressing, hazard if braking.is_emergency else wish.hazard)
+
+
+def _braking(
+    speed: float, final: float, away: float, room: float, limits: VehicleLimits, comfort: float
+) -> _Braking:
+    """Return how hard to brake from `speed` to `final` (m/s) within `away` m, of which a margin may go that leaves `room`.
+
+    The planned braking is enough as long as it stays within `room`; it presses where its gentle onset would not.
+    """
+    planned = planned_deceleration(limits)
+    needed = _needed(speed, final, max(away, BRAKING_SHARE * room), limits)
+    if needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY:
+        return _Braking(needed, is_pressing=True, is_emergency=True)
+    onset = (speed - final) * planned / (2.0 * COMFORT_JERK)
+    is_pressing = speed * speed - final * final > 2.0 * planned * max(room - onset, 0.0) and speed > final
+    return _Braking(min(comfort + PRESSING_GAIN * max(needed - comfort, 0.0), planned), is_pressing)
+
+
+def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> _Braking:
+    """Return the braking towards the road's speed: comfortable, harder where the ego is too fast for it, an emergency where
+    planned braking would not hold the bend ahead."""
+    speed, road, planned = snapshot.ego.speed, completed.plan.road_speed(snapshot.s), planned_deceleration(limits)
+    if speed * speed * limits.comfort_deceleration > road * road * planned:
+        needed = _braking_for_bend(snapshot, completed, limits)
+        if needed > planned:
+            return _Braking(needed, is_pressing=True, is_emergency=True)
+    return _Braking(min(comfort + EXCESS_GAIN * max(speed - road - SPEED_SLACK, 0.0), planned))
+
+
+def _braking_for_bend(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits) -> float:
+    """Return the deceleration (m/s²) that the tightest bend within the planned way to stop needs."""
+    curve, speed = completed.plan.curve, snapshot.ego.speed
+    window = max(int(CURVATURE_WINDOW_M / curve.step), 1)
+    near = BEND_ENTRY_S * speed
+    first = int((snapshot.s + near) / curve.step)
+    reach = int(speed * speed / (2.0 * planned_deceleration(limits)) / curve.step) + window
+    bends = np.abs(curve.curvature[first : first + reach + 1])
+    if len(bends) <= window:
+        return 0.0
+    bends = np.convolve(bends, np.full(window, 1.0 / window), "valid")
+    lateral = BEND_SHARE * limits.max_lateral_acceleration
+    way = near + curve.step * np.arange(len(bends))
+    needed = (speed * speed - lateral / np.maximum(bends, 1e-6)) / (2.0 * way)
+    return float(min(max(needed.max(), 0.0), limits.emergency_deceleration))
 
 
 def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
@@ -118,11 +197,11 @@ def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits,
     return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
 
 
-def _without_jerk(wanted: float, ego: VehicleState, limits: VehicleLimits, period: float) -> float:
-    """Bound the fall of v_d by the comfortable jerk as long as comfortable braking is enough (m/s)."""
-    if wanted < ego.speed - COMFORT_EXCESS * limits.comfort_deceleration * period:
-        return wanted
-    return max(wanted, ego.speed + gentlest_brake(ego.acceleration, period) * period)
+def _without_jerk(wish: Wish, ego: VehicleState, period: float) -> float:
+    """Bound the fall of v_d by the comfortable jerk as long as nothing presses (m/s)."""
+    if wish.is_pressing:
+        return wish.speed
+    return max(wish.speed, ego.speed + gentlest_brake(ego.acceleration, period) * period)
 
 
 def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) -> float:
@@ -150,8 +229,14 @@ def room_to_brake(snapshot: Snapshot, completed: CompletedPlan) -> float:
         room = completed.stop.s - HARD_STOP_MARGIN_M - snapshot.front
     for leader in snapshot.leaders:
         braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
-        room = min(room, leader.s - snapshot.front - SAFE_GAP_M + braking)
+        room = min(room, _room_behind(leader, snapshot.front) + braking)
     return room
+
+
+def _room_behind(leader: Leader, front: float) -> float:
+    """Way (m) to the least gap behind a leader: half of it may go where it is narrow already."""
+    gap = leader.s - front
+    return max(gap - SAFE_GAP_M, 0.5 * gap)
 
 
 def execute(
@@ -171,7 +256,8 @@ def execute(
     if completed.instruction is Instruction.BACK_UP:
         return back_up(snapshot, completed, limits, period)
     ego = snapshot.ego
-    wanted = _without_jerk(desired_speed(snapshot, completed, limits, period), ego, limits, period)
+    wish = desired_speed(snapshot, completed, limits, period)
+    wanted = _without_jerk(wish, ego, period)
     if nine_commands:
         grid = paper_grid(limits, ego.speed, period)
     else:
@@ -181,8 +267,10 @@ def execute(
         grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
     if completed.tuning.wide_grid:
         grid = wide_grid(limits)
+    planned = limits.service_deceleration if nine_commands else planned_deceleration(limits)
+    lowest = min(wanted, ego.speed - planned * period)
     room = room_to_brake(snapshot, completed)
-    index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, wanted, valley)
+    index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, (wanted, lowest), valley)
     command = Command(
         float(grid.accelerations[index // len(grid.steering_rates)]),
         float(grid.steering_rates[index % len(grid.steering_rates)]),
@@ -190,7 +278,9 @@ def execute(
     w = completed.tuning.weights
     total = w.valley * terms[0] + w.shadow * terms[1] + w.velocity * terms[2]
     state = advance(ego, command, limits.wheelbase, period)
-    return Execution(command, state, wanted, Potentials(total, *terms), verdict == EMERGENCY)
+    emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
+    hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
+    return Execution(command, state, wanted, Potentials(total, *terms), emergency, hazard)
 
 
 def _choose(
@@ -200,7 +290,7 @@ def _choose(
     limits: VehicleLimits,
     period: float,
     room: float,
-    wanted: float,
+    aims: tuple[float, float],
     valley: ValleyMap,
 ) -> tuple[int, int, float, float, float]:
     ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
@@ -222,7 +312,7 @@ def _choose(
     )
     boxes = snapshot.boxes
     return choose_command(
-        state, grid.accelerations, grid.steering_rates, bounds, period, room, wanted,
+        state, grid.accelerations, grid.steering_rates, bounds, period, room, *aims,
         np.array((w.valley, w.shadow, w.velocity)), curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
         valley.bitmaps, valley.x0, valley.y0, valley.cell, boxes, boxes,
     )  # fmt: skip

@@ -31,7 +31,11 @@ from sumo_reactive.vehicle.bicycle import advance_pose
 
 Array = NDArray[np.float64]
 
-ADMISSIBLE, EMERGENCY = 0, 1
+ADMISSIBLE, EMERGENCY, NO_COMMAND = 0, 1, 2
+
+_HARDER = 1e9
+"""More than any U: a command that brakes harder than it should is chosen when no milder one is admissible."""
+
 _WINDOW_M = 2.0
 
 HOLD_PARTS = round(PAPER_CONTROL_PERIOD_S / CONTROL_PERIOD_S)
@@ -137,15 +141,16 @@ def expand(
 @kernel
 def choose_command(
     state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float,
-    wanted: float, weights: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    wanted: float, lowest: float, weights: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
     bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, near: Array,
 ) -> tuple[int, int, float, float, float]:  # fmt: skip
-    """Return (index, ADMISSIBLE or EMERGENCY, U₁, U₂, U₃) of the chosen command.
+    """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command.
 
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
-    touch no predicted footprint; when there is none, the hardest brake with the least U₁, the wheels held if none of
-    these keeps the limits. `boxes` (n, 6) cast U₂,
-    `near` (m, 6) are tested for contact.
+    touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
+    other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
+    keeps the limits. `boxes` (n, 6) cast U₂,
+    `near` (m, 7) are tested for contact.
     """
     n = len(accelerations) * len(rates)
     next_states = np.empty((n, 8))
@@ -173,6 +178,8 @@ def choose_command(
         if q[6] > 0.0:
             harsh = max(0.0, wanted - q[3] - HARSH_FROM) if fine else 0.0
             total[k] = weights[0] * terms[k, 0] + weights[2] * (terms[k, 2] + HARSHNESS * harsh)
+            if q[3] < lowest - 1e-6:
+                total[k] += _HARDER
     shadowed = np.zeros(n, dtype=np.bool_)
     shadowed[:] = weights[1] <= 0.0 or len(boxes) == 0
     while True:
@@ -192,9 +199,10 @@ def choose_command(
             q[0], q[1], q[2], q[3], q[4], limits[0], limits[1], limits[2], limits[3], limits[7], near, period,
             COLLISION_HORIZON_S, COLLISION_STEP_S,
         ):  # fmt: skip
-            return best, ADMISSIBLE, terms[best, 0], terms[best, 1], terms[best, 2]
+            verdict = EMERGENCY if q[3] < lowest - 1e-6 else ADMISSIBLE
+            return best, verdict, terms[best, 0], terms[best, 1], terms[best, 2]
         total[best] = np.inf
     if fallback < 0:
         fallback = hardest * len(rates) + int(np.argmin(np.abs(rates)))
         terms[fallback] = 0.0
-    return fallback, EMERGENCY, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2]
+    return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2]

@@ -14,6 +14,10 @@ from sumo_reactive.compilation import kernel
 Points = NDArray[np.float64]
 
 
+BEYOND = 1e6
+"""So many times its length a segment may be prolonged: without end."""
+
+
 @dataclass(frozen=True, eq=False)
 class Polyline:
     """An open chain of straight segments; `points` has shape (n, 2), n ≥ 2, in m."""
@@ -53,11 +57,18 @@ class Polyline:
 
     def project(self, x: float, y: float) -> tuple[float, float]:
         """Return (s, d) of the closest point: arc length and signed distance, left positive, m."""
-        return _closest(np.ascontiguousarray(self.points), self.arc_lengths, x, y)
+        return _closest(np.ascontiguousarray(self.points), self.arc_lengths, x, y, 0.0)
 
     def arc_lengths_at(self, places: Points) -> NDArray[np.float64]:
         """Return the arc length (n,), m, of the closest point to each of `places` (n, 2), m."""
-        return _closest_to_each(np.ascontiguousarray(self.points), self.arc_lengths, np.ascontiguousarray(places))
+        return self._closest_to(places, 0.0)[0]
+
+    def offsets(self, places: Points) -> NDArray[np.float64]:
+        """Return how far left of the polyline, prolonged straight at its ends, each of `places` (n, 2) is, (n,), m."""
+        return self._closest_to(places, BEYOND)[1]
+
+    def _closest_to(self, places: Points, beyond: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return _closest_to_each(np.ascontiguousarray(self.points), self.arc_lengths, np.ascontiguousarray(places), beyond)
 
     def sampled(self, step: float) -> NDArray[np.float64]:
         """Return x, y (m) and heading (rad, unwrapped) every `step` m up to the first sample beyond the end, (n ≥ 2, 3)."""
@@ -65,14 +76,21 @@ class Polyline:
 
 
 @kernel
-def _closest(points: Points, arc_lengths: NDArray[np.float64], x: float, y: float) -> tuple[float, float]:
-    """Return (s, d) as `Polyline.project` does, for its `points` (n, 2) and `arc_lengths` (n,), m."""
+def _closest(
+    points: Points, arc_lengths: NDArray[np.float64], x: float, y: float, beyond: float
+) -> tuple[float, float]:
+    """Return (s, d) as `Polyline.project` does, for its `points` (n, 2) and `arc_lengths` (n,), m.
+
+    First and last segment are prolonged by `beyond` times their length.
+    """
+    last = len(points) - 2
     best, s, d = math.inf, 0.0, 0.0
-    for i in range(len(points) - 1):
+    for i in range(last + 1):
         ex, ey = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
         px, py = x - points[i, 0], y - points[i, 1]
         squared = max(ex * ex + ey * ey, 1e-12)
-        t = min(max((px * ex + py * ey) / squared, 0.0), 1.0)
+        low, high = -beyond if i == 0 else 0.0, 1.0 + beyond if i == last else 1.0
+        t = min(max((px * ex + py * ey) / squared, low), high)
         dx, dy = px - t * ex, py - t * ey
         away = dx * dx + dy * dy
         if away < best:
@@ -83,11 +101,13 @@ def _closest(points: Points, arc_lengths: NDArray[np.float64], x: float, y: floa
 
 
 @kernel
-def _closest_to_each(points: Points, arc_lengths: NDArray[np.float64], places: Points) -> NDArray[np.float64]:
-    out = np.empty(len(places))
+def _closest_to_each(
+    points: Points, arc_lengths: NDArray[np.float64], places: Points, beyond: float
+) -> tuple[Points, Points]:
+    s, d = np.empty(len(places)), np.empty(len(places))
     for k in range(len(places)):
-        out[k] = _closest(points, arc_lengths, places[k, 0], places[k, 1])[0]
-    return out
+        s[k], d[k] = _closest(points, arc_lengths, places[k, 0], places[k, 1], beyond)
+    return s, d
 
 
 @kernel

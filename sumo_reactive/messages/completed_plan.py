@@ -56,6 +56,7 @@ class Replanning(Enum):
 
     NOTHING = "nothing"
     CURVE = "a curve from where the ego is"
+    ROUTE = "another way to the goal, for a turn is missed"
     TIMES = "time constraints that recover the delay"
 
 
@@ -99,7 +100,8 @@ class CompletedPlan:
         return replace(self, request=Request(), events=())
 
     def after(self, before: CompletedPlan) -> CompletedPlan:
-        """Return the plan with the events and the request for a curve of the one `before` it in the same step."""
-        asks = self.request.what is Replanning.CURVE or before.request.what is not Replanning.CURVE
+        """Return the plan with the events and the request for a curve or route of the one `before` it in the same step."""
+        for_trip = Replanning.CURVE, Replanning.ROUTE
+        asks = self.request.what in for_trip or before.request.what not in for_trip
         request = self.request if asks else before.request
         return replace(self, request=request, events=(*before.events, *self.events))

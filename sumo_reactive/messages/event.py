@@ -10,6 +10,7 @@ class EventKind(Enum):
     """Every kind of event; between events the pilot does not run."""
 
     NEW_PLAN = "a new nominal plan"
+    NEW_ROUTE = "a new route, since a turn was missed"
     NEW_OBSTACLE = "a new obstacle ahead"
     INTERSECTION = "an intersection comes into reach, or its line, or its end"
     LANE_CHANGE = "a lane change that the route needs comes into reach"
@@ -24,6 +25,7 @@ class EventKind(Enum):
     TIME_REACHED = "a time that the instruction named is reached"
     FORECAST_EXPIRED = "the forecast of the others is too old to rely on"
     NO_PROGRESS = "no progress, though nobody has the right to block the ego"
+    PROGRESS = "the ego gets on again after an escape"
 
 
 class Event(NamedTuple):

@@ -101,7 +101,8 @@ class NominalPlan:
     `speed_limits` (n,) is the envelope of lane limits, curvature and deceleration at each sample of C, m/s. `goal` is the
     arc length where the front bumper has arrived, or None when the plan ends before the route does. `times` (n,) is when
     the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
-    planned. `aside`: C leaves the lane's centre to pass somebody.
+    planned. `aside`: C leaves the lane's centre to pass somebody. `missed`: C begins a new route, since the turn to this
+    edge was missed (empty: it does not).
     """
 
     curve: Curve
@@ -115,6 +116,7 @@ class NominalPlan:
     times: NDArray[np.float64]
     joins: float = 0.0
     aside: Aside | None = None
+    missed: str = ""
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""

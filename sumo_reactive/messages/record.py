@@ -9,6 +9,11 @@ from sumo_reactive.messages.decision import Decision, RegionState
 from sumo_reactive.messages.event import Event
 from sumo_reactive.messages.traffic import RoadUser
 
+STOP_PLACE = "the place to stop at"
+BEND = "the bend"
+TOO_NEAR = "somebody near"
+"""What an emergency may be for, other than a leader, whose id is named."""
+
 
 class StepRecord(NamedTuple):
     """The ego at the end of a simulation step, and why it is there.
@@ -18,7 +23,8 @@ class StepRecord(NamedTuple):
     vehicle that limits the ego and its distance (m, NaN: none). `control_us`: time of the control step. `lane_id` is
     where SUMO maps the ego (empty: nowhere). `light`: letter that applied to
     the stop line crossed in this step (empty: none crossed). `pilot`: whether `events` activated the pilot in this step;
-    `decisions`, `assessment` and `regions` are those of its last activation.
+    `decisions`, `assessment` and `regions` are those of its last activation. `hazard`: what milder braking would not have
+    stopped clear of when `emergency`: a leader's id or one of the names above (empty: no command was admissible).
     """
 
     time: float
@@ -51,6 +57,7 @@ class StepRecord(NamedTuple):
     events: tuple[Event, ...] = ()
     assessment: Assessment = NOT_ASSESSED
     regions: tuple[RegionState, ...] = ()
+    hazard: str = ""
 
 
 class Scene(NamedTuple):

@@ -55,10 +55,20 @@ class Foe(NamedTuple):
 
 
 class Neighbour(NamedTuple):
-    """A vehicle on the lane that the next lane change leads to; `ahead` is its front minus the ego's front (m)."""
+    """A vehicle on the lane that the next lane change leads to, or that the body will cut into; `ahead` is its front minus
+    the ego's front (m)."""
 
     user: RoadUser
     ahead: float
+
+
+class Cut(NamedTuple):
+    """The body covers lane `lane_id`, beside its own, with the front axle from `start` to `end` of C (m)."""
+
+    start: float
+    end: float
+    left: bool
+    lane_id: str
 
 
 class Leader(NamedTuple):
@@ -73,9 +83,11 @@ class Leader(NamedTuple):
 class Snapshot(NamedTuple):
     """The ego and its surroundings at `time`.
 
-    `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 6): x, y, heading, speed, length,
-    width of every user near (front bumper centre). `static` (k, 2): points of O_S, m. `leaders`: all of `on_path` that the
-    ego must stay behind. `lights`: letters by light id. `passages`: indices of the plan's passages in sight.
+    `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 7): x, y, heading, speed, length,
+    width, turn rate (rad/s) of every user near (front bumper centre). `static` (k, 2): points of O_S, m.
+    `leaders`: all of `on_path` that the ego must stay behind. `lights`: letters by light id. `passages`: indices of the
+    plan's passages in sight. `cut`: the next place, on a road, where the body will cover the lane beside; `neighbours` are
+    then those on that lane.
     """
 
     time: float
@@ -91,3 +103,4 @@ class Snapshot(NamedTuple):
     neighbours: tuple[Neighbour, ...]
     lights: Mapping[str, str]
     passages: tuple[int, ...] = ()
+    cut: Cut | None = None

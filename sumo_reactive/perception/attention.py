@@ -144,6 +144,12 @@ def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
     return next((change for change in plan.lane_changes if change.end > front), None)
 
 
+def lane_sought(plan: NominalPlan, front: float) -> str:
+    """Return the lane that the next change leads to, if it may be made already; empty: none."""
+    change = next_change(plan, front)
+    return "" if change is None or change.opens > front else change.to_lane
+
+
 def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float = 0.0) -> tuple[str, ...]:
     """Return the ids of the lanes whose users matter now, each once; `sight` (m): how far to look at the own road."""
     lanes: dict[str, None] = {}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.curve import Curve
 from sumo_reactive.parameters import CORRIDOR_MARGIN_M
+from sumo_reactive.perception.kept import kept
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     return _band(curve, limits.width, limits.wheelbase, limits.front_overhang)
 
 
-@lru_cache(maxsize=4)
+@kept
 def _band(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
     half = 0.5 * width
     bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())

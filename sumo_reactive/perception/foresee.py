@@ -10,6 +10,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.polyline import Polyline
 from sumo_reactive.messages.forecast import Forecast
 from sumo_reactive.messages.traffic import RoadUser
@@ -62,6 +63,27 @@ def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple
     if lane is None:
         return ()
     return tuple(Polyline(np.vstack(chunks)).sampled(PATH_STEP_M) for chunks in _lines(graph, lane_id, edges))
+
+
+def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
+    """Return how fast a vehicle turns on average over the next `duration` s along its lane, rad/s; 0 where ways part.
+
+    It is where its middle drives: SUMO's bodies lie along the lane.
+    """
+    ways = paths_ahead(graph, user.lane_id, user.route[:3])
+    if len(ways) != 1:
+        return 0.0
+    path = ways[0]
+    at = max(user.lane_position - 0.5 * user.body.length, 0.0) / PATH_STEP_M
+    now, then = (_heading_at(path, u) for u in (at, at + user.speed * duration / PATH_STEP_M))
+    return wrapped(then - now) / duration
+
+
+def _heading_at(path: Array, u: float) -> float:
+    """Return the heading (rad) at `u` samples along a path, between the samples next to it."""
+    i = min(int(u), len(path) - 2)
+    first = float(path.item(i, 2))
+    return first + min(u - i, 1.0) * wrapped(path.item(i + 1, 2) - first)
 
 
 def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:

@@ -18,9 +18,13 @@ from sumo_reactive.parameters import (
     ATTENTION_TIME_S,
     NEAR_M,
     PROJECTION_WINDOW_M,
+    STANDING_SPEED,
+    TURN_FORESEEN_S,
 )
-from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, next_change, watches_of
+from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, lane_sought, watches_of
 from sumo_reactive.perception.corridor import band_of, blocked_stretches, near_boxes
+from sumo_reactive.perception.cuts import next_cut
+from sumo_reactive.perception.foresee import turn_rate
 from sumo_reactive.perception.leaders import leaders
 from sumo_reactive.perception.static import static_near
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -28,7 +32,7 @@ from sumo_reactive.world.road_graph import RoadGraph
 
 Array = NDArray[np.float64]
 
-_NO_BOXES: Array = np.empty((0, 6))
+_NO_BOXES: Array = np.empty((0, 7))
 
 
 def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
@@ -53,22 +57,31 @@ def perceive(
     """
     s, d = locate(ego, plan, limits, s_before)
     front = s + limits.front_overhang
-    boxes = _boxes(traffic.users)
+    boxes = _boxes(traffic.users, graph, ego)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
     foes = tuple(_foes((*traffic.users, *traffic.beside), plan, graph, sight)) if sight else ()
-    neighbours = tuple(_neighbours(traffic.users, plan, graph, ego, limits, front))
+    sought = lane_sought(plan, front)
+    cut = None if sought else next_cut(plan, graph, limits, s, front)
+    beside = cut.lane_id if cut else sought
+    neighbours = tuple(_neighbours(traffic.users, beside, graph, ego, limits)) if beside else ()
     near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
     behind = tuple(leaders(on_path, front, ego.speed, limits))
-    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, traffic.lights, sight)
+    lights = traffic.lights
+    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
 
 
-def _boxes(users: tuple[RoadUser, ...]) -> Array:
+def _boxes(users: tuple[RoadUser, ...], graph: RoadGraph, ego: VehicleState) -> Array:
     if not users:
         return _NO_BOXES
-    flat = [value for u in users for value in (u.x, u.y, u.heading, u.speed, u.body.length, u.body.width)]
-    return np.array(flat).reshape(-1, 6)
+    x, y = ego.pose.x, ego.pose.y
+    flat: list[float] = []
+    for u in users:
+        turns = u.speed > STANDING_SPEED and abs(u.x - x) + abs(u.y - y) < NEAR_M and not u.body.is_person
+        turning = turn_rate(graph, u, TURN_FORESEEN_S) if turns else 0.0
+        flat += (u.x, u.y, u.heading, u.speed, u.body.length, u.body.width, turning)
+    return np.array(flat).reshape(-1, 7)
 
 
 def _on_path(
@@ -114,15 +127,12 @@ def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
 
 
 def _neighbours(
-    users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
+    users: tuple[RoadUser, ...], lane_id: str, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
 ) -> Iterator[Neighbour]:
-    change = next_change(plan, front)
-    if change is None or change.opens > front:
-        return
-    axis = lane_axis(graph, change.to_lane)
+    axis = lane_axis(graph, lane_id)
     p, reach = ego.pose, limits.front_to_rear_axle
     x, y = p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading)
-    own, _ = graph.lanes[change.to_lane].spine.project(x, y)
+    own, _ = graph.lanes[lane_id].spine.project(x, y)
     for user in users:
         start = axis.get(user.lane_id)
         if start is not None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.traffic import NO_POINTS
 from sumo_reactive.parameters import BORDER_STEP_M, STATIC_REACH_M
+from sumo_reactive.perception.kept import kept
 from sumo_reactive.world.borders import borders
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -25,7 +26,7 @@ def static_near(
     Of the borders these are those beside it and up to STATIC_REACH_M ahead along C, of the `extra` points (m) those within
     that taxicab distance.
     """
-    arcs, points = _beside(graph, plan, vehicle_class)
+    arcs, points = _beside(plan, graph, vehicle_class)
     near = points[bisect_left(arcs, s - BORDER_STEP_M) : bisect_left(arcs, s + STATIC_REACH_M)]
     if not len(extra):
         return near
@@ -37,13 +38,13 @@ def static_within(
     graph: RoadGraph, plan: NominalPlan, vehicle_class: str, x: float, y: float, side: float, extra: Array = NO_POINTS
 ) -> Array:
     """Return the points of O_S (k, 2), m, in the square window of `side` m around (x, y)."""
-    points = np.concatenate((_beside(graph, plan, vehicle_class)[1], extra))
+    points = np.concatenate((_beside(plan, graph, vehicle_class)[1], extra))
     inside = np.abs(points - (x, y)).max(axis=1, initial=0.0) <= 0.5 * side
     return np.asarray(points[inside])
 
 
-@lru_cache(maxsize=4)
-def _beside(graph: RoadGraph, plan: NominalPlan, vehicle_class: str) -> tuple[list[float], Array]:
+@kept
+def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[list[float], Array]:
     """Return the border points along C: arc lengths (n), ascending, and place (n, 2), m. Junctions have none."""
     parts = [_of_segment(graph, g, vehicle_class) for g in plan.segments if not graph.lanes[g.lane_id].is_internal]
     if not parts:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from sumo_reactive.messages.completed_plan import CompletedPlan
-from sumo_reactive.messages.decision import StopAt
+from sumo_reactive.messages.decision import Instruction, StopAt
 from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
@@ -23,7 +23,7 @@ from sumo_reactive.parameters import (
     TRUST_AHEAD_S,
     TRUST_S,
 )
-from sumo_reactive.pilot.lane_changing import pending
+from sumo_reactive.pilot.lane_changing import seeks
 from sumo_reactive.pilot.memory import PilotMemory, Premises
 from sumo_reactive.pilot.passages import Ahead
 
@@ -40,7 +40,8 @@ def detect(
     """
     premises = memory.premises
     if held is None or premises is None or premises.plan is not plan:
-        return (Event(EventKind.NEW_PLAN),)
+        new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
+        return (Event(EventKind.NEW_PLAN), *new_route)
     found = [*_others(snapshot, held, premises), *_own(snapshot, plan, ahead, premises)]
     found += _times(snapshot, held, memory, premises)
     if no_command:
@@ -56,7 +57,7 @@ def premises_of(
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
     stages = _stages(snapshot, plan, ahead)
-    is_seeking = pending(snapshot, plan) is not None
+    is_seeking = seeks(snapshot, plan)
     near = is_watchful or is_seeking or any(stage[0] not in (FAR, LEFT) for stage in stages)
     trust = TRUST_S if near else TRUST_AHEAD_S
     watches = snapshot.foes or is_watchful or is_seeking
@@ -102,7 +103,7 @@ def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises
     """Yield what the ego itself has come to."""
     if _stages(snapshot, plan, ahead) != premises.stages:
         yield Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), ""))
-    if not premises.is_seeking and pending(snapshot, plan) is not None:
+    if not premises.is_seeking and seeks(snapshot, plan):
         yield Event(EventKind.LANE_CHANGE)
     if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
         yield Event(EventKind.STANDSTILL)
@@ -124,6 +125,8 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
         yield Event(EventKind.DELAY)
     if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
         yield Event(EventKind.NO_PROGRESS)
+    if memory.escapes == 0 and held.instruction is Instruction.WIDEN:
+        yield Event(EventKind.PROGRESS)
 
 
 def _speeds(snapshot: Snapshot) -> dict[str, float]:

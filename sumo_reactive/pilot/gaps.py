@@ -8,8 +8,10 @@ from typing import NamedTuple
 from sumo_reactive.messages.snapshot import Foe
 from sumo_reactive.parameters import (
     COMFORT_DECELERATION,
+    FEARED_DECELERATION,
     FOE_ACCELERATION,
     FOLLOWER_DECELERATION,
+    FOLLOWER_STANDSTILL_GAP_M,
     GAP_AFTER_S,
     GAP_BEFORE_S,
     MERGE_GAP_S,
@@ -28,6 +30,17 @@ def travel_time(distance: float, speed: float, acceleration: float, top_speed: f
     if distance <= to_top:
         return (math.sqrt(speed * speed + 2.0 * acceleration * distance) - speed) / acceleration
     return (top_speed - speed) / acceleration + (distance - to_top) / top_speed
+
+
+def gap_for_follower(speed: float, ahead: float, headway: float, braking: float) -> float:
+    """Least gap (m) in which a follower at `speed` feels safe behind somebody who comes before it at speed `ahead` (m/s).
+
+    It fears that the one ahead brakes as hard as cars usually can. It must then be able to stop behind him with `braking`
+    (m/s²), and if it brakes as hard, have a time `headway` (s) to react.
+    """
+    feared = 0.5 / FEARED_DECELERATION
+    room = max(speed * (headway + speed * feared), 0.5 * speed * speed / braking) - ahead * ahead * feared
+    return FOLLOWER_STANDSTILL_GAP_M + room if room > 0.0 else 0.0
 
 
 class Passing(NamedTuple):
@@ -64,6 +77,18 @@ def passing(
         merged=merged,
         speed=min(top_speed, slow + acceleration * merged),
     )
+
+
+def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float) -> Passing:
+    """Foresee a passage by an ego that means to stop `to_stop` m ahead, behind the region if it `to_clear`s that."""
+    if to_stop <= max(to_clear, 0.0):
+        return own
+    braking = max(FOLLOWER_DECELERATION, speed * speed / (2.0 * to_stop))
+    lost = speed * speed - 2.0 * braking * (to_stop - to_clear)
+    if lost <= 0.0:
+        return own  # it need not brake before it has left the region
+    before = max(to_clear - lost / (2.0 * braking), 0.0) / speed
+    return own._replace(clearance=max(own.clearance, before + (speed - math.sqrt(speed * speed - lost)) / braking))
 
 
 def _slowing(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from sumo_reactive.messages.decision import Behaviour, Decision, Occupancy, Reason, RegionState, StopAt
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Conflict, Snapshot
+from sumo_reactive.parameters import STANDING_SPEED
 from sumo_reactive.pilot.behaviours import cautious, crossing, stopping
 from sumo_reactive.pilot.lane_changing import LaneChanging
 from sumo_reactive.pilot.memory import PilotMemory
@@ -37,17 +39,23 @@ def ask(
     memory: PilotMemory,
     limits: VehicleLimits,
 ) -> tuple[Rules, PilotMemory]:
-    """Ask for scheduled stops, lane changes, and for each passage: its line, its regions, the room behind them."""
+    """Ask for scheduled stops, lane changes, and for each passage: its line, its regions, the room behind them.
+
+    The farthest passage is asked first: who means to stop behind a region, there or behind a queue, leaves it later.
+    """
     scheduled, memory = stopping.serve(snapshot, plan, memory)
     stops = [(stop, decision_of(stop)) for stop in (scheduled, changing.stop) if stop is not None]
-    passes: list[Decision] = []
-    regions: tuple[RegionState, ...] = ()
-    for way, (_, _, conflicts) in zip(ways, ahead, strict=True):
-        rules, memory = _passage(way, conflicts, snapshot, memory, limits)
+    queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
+    found: list[Rules] = []
+    for way, (_, _, conflicts) in zip(reversed(ways), reversed(ahead), strict=True):
+        places = [*queue, *(stop.s for stop, _ in stops)]
+        behind = min((place for place in places if place > way.passage.end), default=math.inf)
+        rules, memory = _passage(way._replace(stop=behind), conflicts, snapshot, memory, limits)
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
-        passes.extend(rules.passes)
-        regions = regions or rules.regions
-    return Rules(tuple(stops), tuple(passes), regions), memory
+        found.insert(0, rules)
+    passes = tuple(decision for rules in found for decision in rules.passes)
+    regions = next((rules.regions for rules in found if rules.regions), ())
+    return Rules(tuple(stops), passes, regions), memory
 
 
 def _passage(

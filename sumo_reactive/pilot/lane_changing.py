@@ -1,4 +1,4 @@
-"""Changing to the lane that the route needs: when the gap is there, else waiting for one."""
+"""Changing to the lane that the route needs, or cutting into the lane beside: if there is a gap, else waiting for one."""
 
 from __future__ import annotations
 
@@ -6,23 +6,25 @@ from typing import NamedTuple
 
 from sumo_reactive.messages.decision import Reason, StopAt
 from sumo_reactive.messages.plan import LaneChange, NominalPlan
-from sumo_reactive.messages.snapshot import Neighbour, Snapshot
+from sumo_reactive.messages.snapshot import Cut, Neighbour, Snapshot
 from sumo_reactive.parameters import (
+    CREEPING_SPEED,
+    EASY_STOP_DECELERATION,
     FOLLOWER_DECELERATION,
     FOLLOWER_HEADWAY_S,
-    LANE_CHANGE_CLEAR_M,
+    HARD_STOP_DECELERATION,
     LANE_CHANGE_DURATION_S,
     LANE_CHANGE_GAP_M,
     LANE_CHANGE_LOOK_AHEAD_M,
     LANE_CHANGE_LOOK_AHEAD_S,
     LANE_CHANGE_REACTION_S,
-    MAX_ACCELERATION_IN_PLAN,
     MIN_LANE_CHANGE_LENGTH_M,
-    URGENT_FOLLOWER_DECELERATION,
+    URGENT_DECELERATION,
     URGENT_M,
     URGENT_REACTION_S,
     URGENT_S,
 )
+from sumo_reactive.pilot.gaps import gap_for_follower
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 
@@ -46,15 +48,23 @@ def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     return change if change.start - snapshot.front <= _horizon(snapshot) else None
 
 
+def seeks(snapshot: Snapshot, plan: NominalPlan) -> bool:
+    """Whether it is time to seek a gap on the lane beside."""
+    return snapshot.cut is not None or pending(snapshot, plan) is not None
+
+
 def _horizon(snapshot: Snapshot) -> float:
     return max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * snapshot.ego.speed)
 
 
 def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> LaneChanging:
-    """Begin the change that the route needs as soon as a gap allows; without one, stop where C would begin it."""
+    """Begin the change that the route needs as soon as a gap allows; without one, stop where C would begin it.
+
+    Where the body will cut into the lane beside, stop before, unless nobody comes there.
+    """
     change = pending(snapshot, plan)
     if change is None:
-        return LaneChanging()
+        return LaneChanging() if snapshot.cut is None else _before_cut(snapshot, snapshot.cut, plan, limits)
     left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
     urgency = min(1.0, max(0.0, 1.0 - left / pressing))
     blocker = _blocker(snapshot, limits, urgency)
@@ -62,6 +72,20 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> La
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
     stop = StopAt(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
     return LaneChanging(stop=stop, slot=_slot(snapshot))
+
+
+def _before_cut(snapshot: Snapshot, cut: Cut, plan: NominalPlan, limits: VehicleLimits) -> LaneChanging:
+    """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
+    left, speed = cut.start - snapshot.front, snapshot.ego.speed
+    if left < speed * speed / (2.0 * limits.service_deceleration):
+        return LaneChanging()
+    pace = min(max(speed, CREEPING_SPEED), plan.road_speed(cut.start))
+    time = left / max(pace, CREEPING_SPEED)
+    for neighbour in snapshot.neighbours:
+        ahead = neighbour.ahead + neighbour.user.speed * time - left
+        if not _leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency=0.0):
+            return LaneChanging(stop=StopAt(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
+    return LaneChanging()
 
 
 def _slot(snapshot: Snapshot) -> str:
@@ -82,27 +106,25 @@ def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool
 
 def _blocker(snapshot: Snapshot, limits: VehicleLimits, urgency: float) -> str:
     """Return who leaves no gap on the other lane; empty when the gap is free."""
-    free_ahead = all(n.ahead < 0.0 or n.ahead > LANE_CHANGE_CLEAR_M for n in snapshot.neighbours)
-    gains = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration) if free_ahead else 0.0
     for neighbour in snapshot.neighbours:
-        if not _leaves_gap(neighbour, snapshot.ego.speed, limits.length, urgency, gains):
+        if not _leaves_gap(neighbour, snapshot.ego.speed, limits, urgency):
             return neighbour.user.id
     return ""
 
 
-def _leaves_gap(neighbour: Neighbour, speed: float, length: float, urgency: float, gains: float) -> bool:
+def _leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgency: float) -> bool:
     """Whether the one ahead need not be braked for, and the one behind need not brake hard.
 
-    `urgency` (0..1) trades comfort for the change; `gains` (m/s²) is how the ego speeds up on the other lane.
+    `urgency` (0..1) trades comfort for the change.
     """
-    other = neighbour.user
-    reaction = LANE_CHANGE_REACTION_S + urgency * (URGENT_REACTION_S - LANE_CHANGE_REACTION_S)
-    braking = FOLLOWER_DECELERATION + urgency * (URGENT_FOLLOWER_DECELERATION - FOLLOWER_DECELERATION)
+    other, least = neighbour.user, LANE_CHANGE_GAP_M * (1.0 - 0.5 * urgency)
     if neighbour.ahead >= 0.0:
-        gap, closing, pace = neighbour.ahead - other.body.length, speed - other.speed, speed
+        reaction = LANE_CHANGE_REACTION_S + urgency * (URGENT_REACTION_S - LANE_CHANGE_REACTION_S)
+        braking = FOLLOWER_DECELERATION + urgency * (URGENT_DECELERATION - FOLLOWER_DECELERATION)
+        closing = max(0.0, speed - other.speed)
+        gap, needed = neighbour.ahead - other.body.length, least + reaction * speed + closing * closing / (2.0 * braking)
     else:
-        gap, closing, pace = -neighbour.ahead - length, other.speed - speed, other.speed
-        reaction = FOLLOWER_HEADWAY_S + urgency * (URGENT_REACTION_S - FOLLOWER_HEADWAY_S)
-        braking += gains
-    needed = LANE_CHANGE_GAP_M + reaction * pace + max(0.0, closing) ** 2 / (2.0 * braking)
-    return gap > needed - urgency * 0.5 * LANE_CHANGE_GAP_M
+        headway = FOLLOWER_HEADWAY_S + urgency * (URGENT_REACTION_S - FOLLOWER_HEADWAY_S)
+        braking = EASY_STOP_DECELERATION + urgency * (HARD_STOP_DECELERATION - EASY_STOP_DECELERATION)
+        gap, needed = -neighbour.ahead - limits.length, max(least, gap_for_follower(other.speed, speed, headway, braking))
+    return gap > needed

@@ -46,7 +46,8 @@ class PilotMemory(NamedTuple):
 
     `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `constraints` the adjusted
     (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
-    place where the ego got on; `escapes`: how many it has tried there.
+    place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
+    to change lanes (None: it does not).
     """
 
     standing_since: float | None = None
@@ -62,6 +63,7 @@ class PilotMemory(NamedTuple):
     progress_s: float = -math.inf
     progress_time: float = 0.0
     escapes: int = 0
+    waiting_since: float | None = None
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -14,13 +15,15 @@ Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
 
 
 class Crossing(NamedTuple):
-    """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed."""
+    """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
+    `stop` where the ego means to stop behind it (m of C, infinite: nowhere)."""
 
     number: int
     passage: Passage
     connection: Connection
     scale: float
     pace: float
+    stop: float = math.inf
 
     @property
     def line(self) -> float:
@@ -28,8 +31,9 @@ class Crossing(NamedTuple):
         return self.passage.start - self.connection.hold_back
 
     def at(self, path_length: float) -> float:
-        """Arc length on C of a place on the connection's path, m."""
-        return self.passage.start + path_length * self.scale
+        """Arc length on C of a place on the connection's path, m; C is as long as the lanes before and behind it."""
+        inside = min(max(path_length, 0.0), self.connection.path.length)
+        return self.passage.start + inside * self.scale + path_length - inside
 
 
 def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[Crossing]:
@@ -37,7 +41,7 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
     for index, connection, _ in ahead:
         passage = plan.passages[index]
         scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
-        first = max(0, int(max(passage.start, snapshot.s) / plan.curve.step))
+        first = max(0, int(max(passage.start - connection.hold_back, snapshot.s) / plan.curve.step))
         last = max(first + 1, int(passage.end / plan.curve.step) + 1)
         pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
         yield Crossing(index, passage, connection, scale, max(pace, 1.0))

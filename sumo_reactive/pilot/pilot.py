@@ -22,6 +22,7 @@ from sumo_reactive.pilot.highway_code import Rules, ask, decision_of, nearest
 from sumo_reactive.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.pilot.lane_changing import LaneChanging, seek_gap
 from sumo_reactive.pilot.memory import PilotMemory
+from sumo_reactive.pilot.missed_turn import is_missed, waiting_since
 from sumo_reactive.pilot.passages import Ahead, crossings
 from sumo_reactive.pilot.schedule import Delays, adjusted
 from sumo_reactive.pilot.situation import Situation
@@ -90,6 +91,8 @@ def decide(
         snapshot, plan, limits, memory, events, ahead, ways, nearest(rules.stops), assessment, outlook
     )
     situation, rules = _with_room(situation, rules)
+    memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
+    situation = situation._replace(memory=memory)
     situation = situation._replace(proof=overtaking.try_out(situation))
     behaviour = next_behaviour(situation)
     orders = _ordered(situation, behaviour, rules, changing)
@@ -127,10 +130,18 @@ def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing:
     return Orders(
         instruction=RULES[behaviour].instruction(situation),
         stop=situation.stop,
-        request=Request(Replanning.CURVE, changing.side) if changing.side else Request(),
+        request=_request(situation, changing),
         decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation)),
         memory=situation.memory._replace(overtaking=None),
     )
+
+
+def _request(situation: Situation, changing: LaneChanging) -> Request:
+    """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
+    if changing.side:
+        return Request(Replanning.CURVE, changing.side)
+    missed = is_missed(situation.snapshot, situation.stop, situation.memory)
+    return Request(Replanning.ROUTE) if missed else Request()
 
 
 def _behind(situation: Situation) -> tuple[Decision, ...]:
@@ -175,7 +186,7 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
     return orders._replace(
         instruction=way.instruction or orders.instruction,
         stop=way.stop or orders.stop,
-        request=orders.request if orders.request.what is Replanning.CURVE else Request(way.replanning),
+        request=orders.request if orders.request.what is not Replanning.NOTHING else Request(way.replanning),
         decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
         memory=memory,
     )

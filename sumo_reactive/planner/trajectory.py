@@ -19,6 +19,7 @@ from sumo_reactive.parameters import (
     MIN_STEP_LATERAL,
     PLAN_HORIZON_M,
 )
+from sumo_reactive.planner.centring import centred
 from sumo_reactive.planner.reference import Piece, Reference
 from sumo_reactive.planner.smoothing import curvature_of, smoothed
 from sumo_reactive.planner.turning import turnable
@@ -70,11 +71,15 @@ def trajectory(
     line = _points_at(centre, u)
     if aside is not None:
         line = moved_aside(line, lateral_of(aside, u))
-    line, blend = _met_from(line, front, speed, reference.pieces[0].lane.width, limits)
+    start = reference.pieces[0].lane.width
+    lanes, _ = _met_from(line, front, speed, start, limits)
+    left_hand = reference.graph.left_hand
+    line = centred(line, _half_widths(reference.pieces, u), limits, left_hand)
+    line, blend = _met_from(line, front, speed, start, limits)
     pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
-    fitted, index = turnable(fitted, line, curvature_of(fitted), limits, steering_angle)
+    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
     feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
@@ -86,6 +91,12 @@ def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
     starts = np.array([piece.u for piece in pieces])
     index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
     return np.asarray(np.array([piece.lane.speed_limit for piece in pieces])[index] * speed_factor)
+
+
+def _half_widths(pieces: list[Piece], u: Floats) -> Floats:
+    """Return half the lanes' width (n,), m, at reference arc lengths `u` (n,)."""
+    index = np.clip(np.searchsorted([piece.u for piece in pieces], u, side="right") - 1, 0, None)
+    return np.asarray(np.array([0.5 * piece.lane.width for piece in pieces])[index])
 
 
 def _centre_line(reference: Reference) -> Polyline:

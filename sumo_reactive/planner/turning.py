@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,10 @@ U_TURN_RAD = 2.8
 """A turn by more leads back beside the way it came…"""
 INSIDE_WEIGHT = 4.0
 """…where traffic comes: a deviation to its inside costs as much as one this many times as wide."""
+SWING_M = 0.5
+"""In another turn the middle of the front bumper may pass this far from the line on the side of oncoming traffic…"""
+SWING_WEIGHT = 2.0
+"""…and farther at this cost, in metres of deviation per metre."""
 JOINT_WEIGHT = 100.0
 """Cost of missing the place or heading where the turn must end, per metre or radian."""
 DAMPING = 1e-3
@@ -36,8 +41,19 @@ SETTLED = 2e-3
 """Iterations end when no heading changes by more than this, rad."""
 
 
+@dataclass(frozen=True)
+class Body:
+    """What of a car matters for a turn: wheelbase and front overhang (m), largest steering angle (rad) that C may ask for,
+    and on which side oncoming traffic is (`oncoming`: 1 left, −1 right)."""
+
+    wheelbase: float
+    overhang: float
+    most: float
+    oncoming: int
+
+
 def turnable(
-    points: Points, line: Points, bend: Floats, limits: VehicleLimits, steering_angle: float = 0.0
+    points: Points, line: Points, bend: Floats, limits: VehicleLimits, steering_angle: float = 0.0, left_hand: bool = False
 ) -> tuple[Points, Floats]:
     """Return `points` (n, 2) with turns that ask for more than the car's largest steering angle refitted near `line` (n, 2).
 
@@ -51,6 +67,7 @@ def turnable(
     ways = np.diff(points, axis=0)
     headings, steps = np.unwrap(np.arctan2(ways[:, 1], ways[:, 0])), np.hypot(*ways.T)
     angles = steering_along(headings, steps, limits.wheelbase, steering_angle)
+    body = Body(limits.wheelbase, limits.front_overhang, most, -1 if left_hand else 1)
     reach = int(TURN_REACH / limits.max_curvature / CURVE_STEP_M)
     wide = maximum_filter1d(np.append(np.abs(angles), 0.0) > most, 2 * reach + 1).astype(np.int8)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], wide, [0]))))
@@ -58,7 +75,7 @@ def turnable(
         part = slice(int(first), int(end))
         if end - first < 8:
             continue
-        result[part] = _refitted(points[part], line[part], limits.wheelbase, most, float(angles[first]))
+        result[part] = _refitted(points[part], line[part], body, float(angles[first]))
         index[part] = first + _nearest(result[part], line[part])
     return result, np.maximum.accumulate(index)
 
@@ -77,8 +94,8 @@ def steering_along(headings: Floats, steps: Floats, wheelbase: float, angle: flo
     return found
 
 
-def _refitted(points: Points, line: Points, wheelbase: float, most: float, angle: float) -> Points:
-    """Return the turn `points` (m, 2) steered with at most `most` rad where its ends, held fixed, leave room.
+def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:
+    """Return the turn `points` (m, 2) steered by at most what `body` allows where its ends, held fixed, leave room.
 
     Gauss–Newton on the headings of its steps and one common step length; `angle` (rad) is the steering angle at first.
     """
@@ -86,16 +103,18 @@ def _refitted(points: Points, line: Points, wheelbase: float, most: float, angle
     if len(at) < len(points):
         own = np.arange(len(points))
         fewer, rail = (np.column_stack([np.interp(at, own, part[:, k]) for k in (0, 1)]) for part in (points, line))
-        places = _refitted(fewer, rail, wheelbase, most, angle)
+        places = _refitted(fewer, rail, body, angle)
         return np.asarray(CubicSpline(at, places)(own))
     headings, step = _stepped(points)
     first, last = headings[0], headings[-1]
+    leads_back = abs(last - first) > U_TURN_RAD
     for _ in range(ITERATIONS):
         places = _walked(points[0], headings, step)
-        residual, jacobian = _deviation(places, line, headings, step)
+        angles, rows = _steering(headings, step, body.wheelbase, angle)
         parts = (
-            (residual, jacobian),
-            _excess(headings, step, wheelbase, most, angle),
+            _deviation(places, line, headings, step),
+            *(() if leads_back else (_swing(places, line, headings, step, angles, rows, body),)),
+            _excess(angles, rows, step, body.most),
             _bend_rate(headings, step),
             _joint(places[-1] - points[-1], headings, step, first, last),
         )
@@ -140,18 +159,41 @@ def _nearest(places: Points, line: Points) -> Floats:
 
 def _deviation(places: Points, line: Points, headings: Floats, step: float) -> tuple[Floats, Floats]:
     """Return residual (m − 1,) and Jacobian of the signed distance of each place from `line`."""
+    aside, normal = _aside(places, line)
+    turned = headings[-1] - headings[0]
+    inside = (aside * turned > 0.0) & (abs(turned) > U_TURN_RAD)
+    weight = math.sqrt(step) * np.where(inside, INSIDE_WEIGHT, 1.0)
+    rows = np.einsum("ik,kij->ij", normal, _place_jacobian(headings, step, places))
+    return weight * aside, weight[:, None] * rows
+
+
+def _swing(
+    places: Points, line: Points, headings: Floats, step: float, angles: Floats, rows: Floats, body: Body
+) -> tuple[Floats, Floats]:
+    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out beyond SWING_M to oncoming traffic.
+
+    `angles` (m − 1,), rad, with Jacobian `rows` are the steering angles: the bumper is ahead of the front axle by the
+    overhang along the body, which is turned from the way of the axle by them.
+    """
+    along = headings - angles
+    ways = body.overhang * np.column_stack([np.cos(along), np.sin(along)])
+    aside, normal = _aside(places + np.vstack([ways[:1], ways]), line)
+    turned = np.eye(len(headings), len(headings) + 1) - rows
+    moved = (normal * np.column_stack([-ways[:, 1], ways[:, 0]])).sum(axis=1)[:, None] * turned
+    moved += np.einsum("ik,kij->ij", normal, _place_jacobian(headings, step, places))
+    weight = np.where(aside * body.oncoming > 0.0, SWING_WEIGHT * math.sqrt(step), 0.0)
+    return _beyond(aside, moved, np.full(len(aside), SWING_M), weight)
+
+
+def _aside(places: Points, line: Points) -> tuple[Floats, Points]:
+    """Return how far (m − 1,), m, each place but the first is to the left of `line`, and the left normals (m − 1, 2)."""
     at = _nearest(places, line)[1:]
     own = np.arange(len(line))
     feet = np.column_stack([np.interp(at, own, line[:, k]) for k in (0, 1)])
     way = np.gradient(line, axis=0)
     normal = np.column_stack([np.interp(at, own, -way[:, 1]), np.interp(at, own, way[:, 0])])
     normal /= np.maximum(np.hypot(*normal.T), 1e-9)[:, None]
-    moved = _place_jacobian(headings, step, places)
-    aside = (normal * (places[1:] - feet)).sum(axis=1)
-    turned = headings[-1] - headings[0]
-    inside = (aside * turned > 0.0) & (abs(turned) > U_TURN_RAD)
-    weight = math.sqrt(step) * np.where(inside, INSIDE_WEIGHT, 1.0)
-    return weight * aside, weight[:, None] * np.einsum("ik,kij->ij", normal, moved)
+    return (normal * (places[1:] - feet)).sum(axis=1), normal
 
 
 def _place_jacobian(headings: Floats, step: float, places: Points) -> Floats:
@@ -161,8 +203,8 @@ def _place_jacobian(headings: Floats, step: float, places: Points) -> Floats:
     return np.concatenate([turned, (places[1:] - places[0]).T[:, :, None]], axis=2)
 
 
-def _excess(headings: Floats, step: float, wheelbase: float, most: float, angle: float) -> tuple[Floats, Floats]:
-    """Return residual (2m − 3,) and Jacobian of the steering angle beyond `most` and its change beyond what is allowed.
+def _steering(headings: Floats, step: float, wheelbase: float, angle: float) -> tuple[Floats, Floats]:
+    """Return the steering angles (m − 1,), rad, of even steps along `headings`, and their Jacobian.
 
     `angle` is that of the first step, rad.
     """
@@ -177,6 +219,15 @@ def _excess(headings: Floats, step: float, wheelbase: float, most: float, angle:
         rows[k, k] += 1.0
         rows[k, k - 1] -= 1.0
         rows[k, -1] += longer[k - 1]
+    return angles, rows
+
+
+def _excess(angles: Floats, rows: Floats, step: float, most: float) -> tuple[Floats, Floats]:
+    """Return residual (2m − 3,) and Jacobian of the steering angle beyond `most` and its change beyond what is allowed.
+
+    `angles` (m − 1,) with Jacobian `rows`, as `_steering` returns them.
+    """
+    count = len(angles)
     return _beyond(
         np.concatenate([angles, np.diff(angles) / step]),
         np.vstack([rows, np.diff(rows, axis=0) / step]),

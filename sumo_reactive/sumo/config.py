@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, fromstring
@@ -28,6 +29,11 @@ class SumoConfig:
     step_length_s: float
     is_mesoscopic: bool
 
+    def mentions(self, marks: Iterable[bytes]) -> bool:
+        """Whether a route or additional file, compressed or not, contains one of `marks`."""
+        contents = [_content(file) for file in (*self.route_files, *self.additional_files)]
+        return any(mark in content for mark in marks for content in contents)
+
 
 def read_config(path: Path) -> SumoConfig:
     """Read a SUMO configuration; raise ScenarioError or NetworkError if SUMO could not run it or the ego not drive in it."""
@@ -48,6 +54,13 @@ def read_config(path: Path) -> SumoConfig:
     if config.step_length_s <= 0.0:
         raise ScenarioError(f"{path}: option 'step-length': impossible step length '{options['step-length']}'")
     return config
+
+
+def _content(file: Path) -> bytes:
+    if not file.is_file():
+        return b""
+    data = file.read_bytes()
+    return gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
 
 
 def is_true(text: str) -> bool:

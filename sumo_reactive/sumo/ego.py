@@ -23,8 +23,22 @@ _REMOVE_ARRIVED = 2
 _GO_NEXT_SPEED = 0.05
 """m/s; at an all-way stop it says "I go next"."""
 
+_NO_CHANGES = 0
+_ASK_FOR_ROOM = 513
+"""SUMO's mode of lane changing: it wants the changes that the route needs, and respects the others' gaps."""
+
+_BRAKING_TOLERANCE = 0.1
+"""m/s²; the ego brakes harder than its type says if it does by more than this."""
+
 _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
+
+
+def give_back(vehicle_id: str) -> None:
+    """Leave a vehicle to SUMO's own driver."""
+    libsumo.vehicle.setSpeed(vehicle_id, -1.0)
+    libsumo.vehicle.setSpeedMode(vehicle_id, 31)
+    libsumo.vehicle.setLaneChangeMode(vehicle_id, 1621)
 
 
 class Ego:
@@ -42,15 +56,17 @@ class Ego:
         self.route = self._read_route()
         self._standing = 0.0
         self._unmapped = False
+        self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
+        self._brakes_hard = False
+        self._asks = False
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
     def take_over(self, step_length: float) -> VehicleState:
         """Take the wheel at SUMO's exact pose and speed; return that state."""
         vehicle, name = libsumo.vehicle, self.id
         vehicle.setSpeedMode(name, 32)
-        vehicle.setLaneChangeMode(name, 0)
+        vehicle.setLaneChangeMode(name, _NO_CHANGES)
         vehicle.setActionStepLength(name, step_length, True)
-        vehicle.setApparentDecel(name, self.limits.emergency_deceleration)
         while vehicle.getStops(name):
             if vehicle.isStopped(name):
                 vehicle.resume(name)
@@ -66,21 +82,62 @@ class Ego:
         heading = heading_of(libsumo.vehicle.getAngle(self.id))
         return VehicleState(pose_of(x, y, heading, self.limits), max(0.0, libsumo.vehicle.getSpeed(self.id)), 0.0)
 
-    def place(self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None) -> None:
+    def place(
+        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, overlooked: bool = False
+    ) -> None:
         """Announce the intent and command the state that the next simulation step ends in.
 
-        `lane`: where C is there, None while it leads beside its lane.
+        `lane`: where C is there, None while it leads beside its lane; `overlooked`: SUMO does not look for the ego on it.
 
         SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
         between the same two edges), it is told the lane, until the ego is out of the junction; but not where the front
         swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
         """
+        self._unmapped |= overlooked
         x, y = front_of(state.pose, self.limits)
+        self._keep_in_order()
         libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
+        self._warn_of_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
             edge, index, mode = lane.edge_id, lane.index, FREE_EXACT
         libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
+
+    def _keep_in_order(self) -> None:
+        """Have SUMO sort the ego in anew where it has passed somebody on its lane, as soon as he need not brake for it.
+
+        SUMO keeps the vehicles of a lane in the order in which they came and does not look whether one that is moved from
+        outside has passed another: who has been passed would go on without a leader, and drive into the ego. Only a move
+        over another lane sorts it in.
+        """
+        vehicle = libsumo.vehicle
+        ahead = vehicle.getLeader(self.id)
+        if not ahead or ahead[1] > -self.limits.length:
+            return
+        other, lane_id, position = ahead[0], vehicle.getLaneID(self.id), vehicle.getLanePosition(self.id)
+        if not lane_id or lane_id.startswith(":") or vehicle.getLaneID(other) != lane_id:
+            return
+        gap = position - self.limits.length - vehicle.getLanePosition(other) - vehicle.getMinGap(other)
+        is_slower = vehicle.getSpeed(self.id) < vehicle.getSpeed(other)
+        over = self._another_lane()
+        if over and gap > (0.0 if is_slower else vehicle.getSpeed(other) * vehicle.getTau(other)):
+            vehicle.moveTo(self.id, over, 0.0)
+            vehicle.moveTo(self.id, lane_id, position)
+
+    def _another_lane(self) -> str:
+        """Return a lane of the route's next edge or the one before; empty when there is no other edge."""
+        edges, index = libsumo.vehicle.getRoute(self.id), libsumo.vehicle.getRouteIndex(self.id)
+        other = edges[index + 1] if index + 1 < len(edges) else edges[index - 1] if index > 0 else ""
+        return f"{other}_{libsumo.edge.getLaneNumber(other) - 1}" if other else ""
+
+    def ask_for_room(self, wants_room: bool) -> None:
+        """Let the others know whether the ego seeks a gap on the lane that its route needs, as a driver who indicates.
+
+        SUMO's cars then make room as they do for each other. SUMO itself changes no lanes for a vehicle moved from outside.
+        """
+        if wants_room != self._asks:
+            self._asks = wants_room
+            libsumo.vehicle.setLaneChangeMode(self.id, _ASK_FOR_ROOM if wants_room else _NO_CHANGES)
 
     def _announced(self, speed: float, intent: Intent, duration: float) -> float:
         if speed >= STANDING_SPEED:
@@ -93,6 +150,16 @@ class Ego:
         if intent is Intent.GO_NEXT:
             return _GO_NEXT_SPEED
         return 0.0 if intent is Intent.YIELD else speed
+
+    def _warn_of_braking(self, braking: float) -> None:
+        """Let those behind expect the hardest braking (m/s²) while the ego brakes harder than its type says, and else what
+        they expect of any vehicle of the type: SUMO's cars choose their gaps behind the ego, when they change lanes and
+        enter the road, by the type's, and would brake hard as soon as they find that the ego can do more."""
+        hard = braking > self._trusted_deceleration + _BRAKING_TOLERANCE
+        if hard != self._brakes_hard:
+            self._brakes_hard = hard
+            expected = max(self._trusted_deceleration, self.limits.emergency_deceleration if hard else 0.0)
+            libsumo.vehicle.setApparentDecel(self.id, expected)
 
     def lane(self, state: VehicleState) -> str:
         """Return the lane that SUMO maps the ego to ('' : none), after checking that it is where it was put."""
@@ -110,6 +177,11 @@ class Ego:
             self._unmapped = False
             self._restore_route(lane_id.rpartition("_")[0])
         return lane_id
+
+    def reroute(self, route: Route) -> None:
+        """Take another route, which begins on the edge that the ego is on, and tell SUMO."""
+        self.route = route
+        libsumo.vehicle.setRoute(self.id, route.edges)
 
     def _restore_route(self, edge_id: str) -> None:
         """Give SUMO the route again, from `edge_id` on, if telling it the lane has replaced it."""
@@ -132,9 +204,7 @@ class Ego:
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
-        libsumo.vehicle.setSpeed(self.id, -1.0)
-        libsumo.vehicle.setSpeedMode(self.id, 31)
-        libsumo.vehicle.setLaneChangeMode(self.id, 1621)
+        give_back(self.id)
 
     def _refuse_oncoming_side(self) -> None:
         lane_id = libsumo.vehicle.getLaneID(self.id)

@@ -40,20 +40,28 @@ class Ghosts:
         """How many ghosts have been created."""
         return self._made
 
-    def show(self, lane: Lane, x: float, y: float, speed: float, edges: tuple[str, ...]) -> None:
-        """Put the ghost on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on."""
+    def show(
+        self, lane: Lane, x: float, y: float, speed: float, edges: tuple[str, ...], waits: bool = False
+    ) -> None:
+        """Put the ghost on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on.
+
+        One that `waits` is not made where somebody is.
+        """
         s, _ = lane.spine.project(x, y)
         gx, gy = lane.spine.at(s)
         if self._ghost and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._ghost:
+            if waits and _is_taken(lane, s / lane.scale, libsumo.vehicle.getLength(self._ego_id)):
+                return
             self._edges = edges
-            self._create(lane, s / lane.scale, speed, edges)
         angle = angle_of(lane.spine.heading_at(s))
         try:
+            if not self._ghost:
+                self._create(lane, s / lane.scale, speed, edges)
             libsumo.vehicle.setSpeed(self._ghost, speed)
             libsumo.vehicle.moveToXY(self._ghost, "", -1, gx, gy, angle, KEEP_ROUTE_EXACT)
-        except libsumo.TraCIException:  # SUMO has taken it off the road: the next step makes another
+        except libsumo.TraCIException:  # taken off the road: the next step makes another; or its class may not be there
             self._ghost = ""
 
     def hide(self) -> None:
@@ -69,9 +77,11 @@ class Ghosts:
         self._made += 1
         self._ghost = f"{PREFIX}{self._ego_id}.{self._made}"
         libsumo.route.add(self._ghost, edges)
+        starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
+        index, at = (str(lane.index), round(position, 2)) if starts_there else ("best", 0.0)
         libsumo.vehicle.add(
-            self._ghost, self._ghost, self._type, depart="now", departLane=str(lane.index),
-            departPos=str(round(position, 2)), departSpeed=str(round(speed, 2)),
+            self._ghost, self._ghost, self._type, depart="now", departLane=index,
+            departPos=str(at), departSpeed=str(round(speed, 2)),
         )  # fmt: skip
         libsumo.vehicle.setSpeedMode(self._ghost, 32)
         libsumo.vehicle.setLaneChangeMode(self._ghost, 0)
@@ -83,3 +93,13 @@ class Ghosts:
         libsumo.vehicletype.setSpeedFactor(self._type, _SPEED_FACTOR)
         for device in _SILENT_DEVICES:
             libsumo.vehicletype.setParameter(self._type, f"has.{device}.device", "false")
+
+
+def _is_taken(lane: Lane, position: float, length: float) -> bool:
+    """Whether somebody is on `lane` where a body of `length` m with its front at `position` (m) would be."""
+    vehicle = libsumo.vehicle
+    for other in libsumo.lane.getLastStepVehicleIDs(lane.id):
+        front = vehicle.getLanePosition(other)
+        if front > position - length and front - vehicle.getLength(other) < position:
+            return True
+    return False

@@ -47,21 +47,36 @@ def _with_tail(connection: Connection, outline: Points, lane_of: LaneOf) -> Conn
 
 
 def _held_back(connections: tuple[Connection, ...], lane_of: LaneOf) -> tuple[Connection, ...]:
-    """Return the connections with the room that their approach lanes must leave to traffic from other roads."""
+    """Return the connections with the room that their approach lanes must leave to traffic from other roads, and with
+    the exits that reach over such a lane."""
     cars = [connection for connection in connections if not connection.is_crossing]
-    ways = [(lane_of(c.from_lane).edge_id, _with_exit(c, lane_of)) for c in cars]
     room: dict[str, float] = {}
+    over: set[str] = set()
     for connection in cars:
         if connection.from_lane not in room:
             lane = lane_of(connection.from_lane)
-            room[lane.id] = hold_back(lane.spine, [way for edge, way in ways if edge != lane.edge_id])
-    return tuple(replace(c, hold_back=room[c.from_lane]) if room.get(c.from_lane) else c for c in connections)
+            others = [c for c in cars if lane_of(c.from_lane).edge_id != lane.edge_id]
+            room[lane.id], reaching = hold_back(lane.spine, [_with_exit(c, lane_of) for c in others])
+            over.update(others[i].id for i in reaching)
+    return tuple(_around(c, room.get(c.from_lane, 0.0), lane_of, over=c.id in over) for c in connections)
+
+
+def _around(connection: Connection, room: float, lane_of: LaneOf, *, over: bool) -> Connection:
+    """Return a connection with the parts of its approach and exit lanes that lie in others' way."""
+    if room > 0.0:
+        lane = lane_of(connection.from_lane).spine
+        connection = replace(connection, hold_back=room, head=cut(lane, lane.length - room, lane.length))
+    return replace(connection, tail=_exit(connection, lane_of)) if over else connection
 
 
 def _with_exit(connection: Connection, lane_of: LaneOf) -> Points:
     """Return a connection's path and the start of the lane behind it."""
+    return joined([connection.path.points, _exit(connection, lane_of)])
+
+
+def _exit(connection: Connection, lane_of: LaneOf) -> Points:
     spine = lane_of(connection.to_lane).spine
-    return joined([connection.path.points, cut(spine, 0.0, min(spine.length, HOLD_BACK_REACH_M))])
+    return cut(spine, 0.0, min(spine.length, HOLD_BACK_REACH_M))
 
 
 def links_of(raw: RawNet, junction: Element) -> Iterator[Attributes]:

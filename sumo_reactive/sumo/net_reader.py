@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Protocol
 from xml.etree.ElementTree import Element
 
 from sumo_reactive.errors import NetworkError
@@ -25,6 +26,16 @@ from sumo_reactive.world.road_graph import RoadGraph
 def read_net(path: Path) -> NetFile:
     """Read a `.net.xml` or `.net.xml.gz`; raise NetworkError naming the file if it cannot serve for driving."""
     return NetFile(parse(path))
+
+
+class WorldSource(Protocol):
+    """Where the world around a route comes from."""
+
+    def build(self, edges: Sequence[str], /) -> RoadGraph:
+        """Return a world that holds a route of normal edges; raise NetworkError for an unknown edge."""
+
+    def end_of(self, edge_id: str) -> str:
+        """Return the junction that a normal edge leads to."""
 
 
 class NetFile:
@@ -61,17 +72,18 @@ class NetFile:
             self._junctions[junction_id] = junction_from(self._raw, junction_id, self.lane)
         return self._junctions[junction_id]
 
-    def build(self, edges: Sequence[str]) -> RoadGraph:
-        """Build W around a route of normal edges.
+    def build(self, *routes: Sequence[str]) -> RoadGraph:
+        """Build W around one or several routes of normal edges.
 
-        It holds the route's edges and the edges opposite them, the junctions at the route's edges' ends with all edges
+        It holds the routes' edges and the edges opposite them, the junctions at the route's edges' ends with all edges
         that enter and leave them, conflict regions for the connections from route edge to route edge, and the lanes
         from which others come to these regions. Raises NetworkError for an unknown edge.
         """
+        edges = tuple(dict.fromkeys(edge for route in routes for edge in route))
         junctions = {end: self.junction(end) for end in dict.fromkeys(self.end_of(edge) for edge in edges)}
         connections = [connection for junction in junctions.values() for connection in junction.connections]
-        opposite = {edge: other for edge in dict.fromkeys(edges) if (other := self._opposite_of(edge))}
-        regions = self._regions_on(edges, junctions)
+        opposite = {edge: other for edge in edges if (other := self._opposite_of(edge))}
+        regions = self._regions_on(routes, junctions)
         others = {region.other_id for found in regions.values() for region in found}
         approaches = {c.id: self._approaches_of(c) for c in connections if c.id in others}
         edge_lanes = self._edge_lanes([*edges, *opposite.values()], connections)
@@ -113,11 +125,11 @@ class NetFile:
         return lanes
 
     def _regions_on(
-        self, edges: Sequence[str], junctions: dict[str, Junction]
+        self, routes: Iterable[Sequence[str]], junctions: dict[str, Junction]
     ) -> dict[str, tuple[ConflictRegion, ...]]:
-        """Return the conflict regions of the connections from each route edge to the next."""
+        """Return the conflict regions of the connections from each route's edge to its next."""
         regions: dict[str, tuple[ConflictRegion, ...]] = {}
-        for edge, onward in dict.fromkeys(pairwise(edges)):
+        for edge, onward in dict.fromkeys(pair for route in routes for pair in pairwise(route)):
             junction = junctions[self.end_of(edge)]
             owns = [c for c in junction.connections if (edge_id_of(c.from_lane), edge_id_of(c.to_lane)) == (edge, onward)]
             missing = [own for own in owns if own.id not in self._regions]

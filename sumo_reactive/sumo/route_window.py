@@ -10,8 +10,10 @@ import libsumo
 class RouteWindow:
     """Keeps SUMO's route of the ego free of edges and junctions that occur twice."""
 
-    def __init__(self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str]) -> None:
+    def __init__(self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str], number: int = 1) -> None:
+        """`number`: which route of the ego's this is, for SUMO keeps the names of all."""
         self._ego_id = ego_id
+        self._number = number
         self._edges = edges
         self._ends = tuple(end_of(edge) for edge in edges)
         self._needed = len(set(edges)) < len(edges) or len(set(self._ends)) < len(self._ends)
@@ -25,7 +27,7 @@ class RouteWindow:
         last = index + 1
         while last < len(self._edges) and not self._returns(index, last):
             last += 1
-        name = f"reactive.route.{self._ego_id}.{index}"
+        name = f"reactive.route.{self._ego_id}.{self._number}.{index}"
         libsumo.route.add(name, self._edges[index:last])
         libsumo.vehicle.setRouteID(self._ego_id, name)
 

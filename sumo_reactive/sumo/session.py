@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from types import TracebackType
+from typing import IO
 
 import libsumo
 
 from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 
 Progress = Callable[[float, str], None]
@@ -21,10 +27,14 @@ class Session:
         self._loaded = False
 
     def __enter__(self) -> Session:
-        try:
-            libsumo.start(self._arguments)
-        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
-            raise ScenarioError(f"SUMO rejects the scenario: {_first_line(error)}") from error
+        with tempfile.TemporaryFile() as heard:
+            try:
+                with _standard_error_to(heard):
+                    libsumo.start(self._arguments)
+            except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+                reason = _first_error(heard) or _in_one_line(error)
+                raise ScenarioError(f"SUMO rejects the scenario: {reason}") from error
+            sys.stderr.write(_text_of(heard))
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
@@ -39,6 +49,11 @@ class Session:
     def step_length(self) -> float:
         """Length of a step, s."""
         return float(libsumo.simulation.getDeltaT())
+
+    @property
+    def departed(self) -> tuple[str, ...]:
+        """Ids of the vehicles that departed in the last step, stand-ins left out."""
+        return tuple(name for name in libsumo.simulation.getDepartedIDList() if not is_ghost(name))
 
     def step(self) -> None:
         """Simulate one step."""
@@ -104,6 +119,33 @@ def is_road_car(vehicle_id: str) -> bool:
 def sumo_version() -> str:
     """Return the version of the SUMO library in use."""
     return str(libsumo.getVersion()[1])
+
+
+@contextmanager
+def _standard_error_to(file: IO[bytes]) -> Iterator[None]:
+    """Write what SUMO's own code writes to standard error to `file`: some reasons are said nowhere else."""
+    before = os.dup(2)
+    os.dup2(file.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(before, 2)
+        os.close(before)
+
+
+def _text_of(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read().decode("utf-8", errors="replace")
+
+
+def _first_error(file: IO[bytes]) -> str:
+    lines = (line.strip() for line in _text_of(file).splitlines())
+    return next((line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")), "")
+
+
+def _in_one_line(error: Exception) -> str:
+    """Return all that SUMO says of a file that it cannot read: what, in which file, at which line."""
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _first_line(error: Exception) -> str:

@@ -39,50 +39,60 @@ class Static(NamedTuple):
 class StaticObstacles:
     """Reads the polygons once, and keeps account of parked vehicles from step to step."""
 
-    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS, ego_id: str = "") -> None:
+    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
         polygon, vehicle = libsumo.polygon, libsumo.vehicle
         hulls = {n: hull_of(polygon.getShape(n)) for n in polygon.getIDList() if polygon.getType(n) == polygon_type}
-        self._ego_id = ego_id
-        self._users = tuple(standing(f"polygon:{name}", hull) for name, hull in hulls.items())
-        self._outlines = tuple(outline(hull) for hull in hulls.values())
-        self._parked: dict[str, Array] = {}
+        self.users = tuple(standing(f"polygon:{name}", hull) for name, hull in hulls.items())
+        self.outlines = tuple(outline(hull) for hull in hulls.values())
+        self.parked: dict[str, Array] = {}
+        self.changes = 0
         self._park(name for name in vehicle.getIDList() if vehicle.isStoppedParking(name))
-        self._near = Static((), NO_POINTS)
-        self._place = (math.inf, math.inf)
 
-    def near(self, x: float, y: float) -> Static:
-        """Return what stands near (x, y), m; to be asked once after each simulation step."""
-        changed = self._update()
-        if changed or max(abs(x - self._place[0]), abs(y - self._place[1])) > LANES_REFRESH_M:
-            self._place = (x, y)
-            self._near = Static(tuple(u for u in self._users if _is_near(u, x, y)), self._points(x, y))
-        return self._near
-
-    def _update(self) -> bool:
-        """Take in who has begun or ended parking in the last step; return whether somebody has."""
+    def update(self) -> None:
+        """Take in who has begun or ended parking in the last step; to be asked once after each."""
         simulation = libsumo.simulation
         begun, gone = simulation.getParkingStartingVehiclesIDList(), simulation.getParkingEndingVehiclesIDList()
-        if self._parked:
+        if self.parked:
             gone += simulation.getArrivedIDList()
-        before = len(self._parked)
+        before = len(self.parked)
         for name in gone:
-            self._parked.pop(name, None)
-        ended = before > len(self._parked)
-        return self._park(begun) or ended
+            self.parked.pop(name, None)
+        ended = before > len(self.parked)
+        if self._park(begun) or ended:
+            self.changes += 1
 
     def _park(self, names: Iterable[str]) -> bool:
         """Keep the outline of each that stands beside the road: SUMO has it on no lane, so nobody else sees it."""
-        vehicle, before = libsumo.vehicle, len(self._parked)
+        vehicle, before = libsumo.vehicle, len(self.parked)
         for name in names:
-            if name != self._ego_id and not vehicle.getLaneID(name):
+            if not vehicle.getLaneID(name):
                 x, y = vehicle.getPosition(name)
                 heading = heading_of(vehicle.getAngle(name))
                 box = Footprint(x, y, heading, vehicle.getLength(name), vehicle.getWidth(name))
-                self._parked[name] = outline(shapely.Polygon(box.corners()))
-        return len(self._parked) > before
+                self.parked[name] = outline(shapely.Polygon(box.corners()))
+        return len(self.parked) > before
+
+
+class StaticView:
+    """What one ego sees of the static obstacles; looks again when it has moved on or something has changed."""
+
+    def __init__(self, obstacles: StaticObstacles, ego_id: str = "") -> None:
+        self._obstacles, self._ego_id = obstacles, ego_id
+        self._near = Static((), NO_POINTS)
+        self._seen = (math.inf, math.inf, -1)
+
+    def near(self, x: float, y: float) -> Static:
+        """Return what stands near (x, y), m."""
+        changes = self._obstacles.changes
+        was_x, was_y, seen = self._seen
+        if changes != seen or max(abs(x - was_x), abs(y - was_y)) > LANES_REFRESH_M:
+            self._seen = x, y, changes
+            self._near = Static(tuple(u for u in self._obstacles.users if _is_near(u, x, y)), self._points(x, y))
+        return self._near
 
     def _points(self, x: float, y: float) -> Array:
-        outlines = (*self._outlines, *self._parked.values())
+        parked = (points for name, points in self._obstacles.parked.items() if name != self._ego_id)
+        outlines = (*self._obstacles.outlines, *parked)
         if not outlines:
             return NO_POINTS
         points = np.concatenate(outlines)

@@ -7,20 +7,25 @@ from typing import NamedTuple
 
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.state import VehicleState
-from sumo_reactive.parameters import STRADDLE_M
+from sumo_reactive.parameters import CUT_SEEN_S, STRADDLE_M
+from sumo_reactive.perception.cuts import cuts_of, lane_at_side
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 
 
 class Haunt(NamedTuple):
-    """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives."""
+    """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives.
+
+    `waits`: it does not appear where somebody already is.
+    """
 
     lane: Lane
     x: float
     y: float
     speed: float
     edges: tuple[str, ...]
+    waits: bool = False
 
 
 def haunt(
@@ -36,7 +41,10 @@ def haunt(
     if plan.aside is None:
         own = graph.lanes[here.lane_id]  # SUMO maps the ego to no lane where its front swings out of it
         lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits) if own.reaches(x, y, limits.width) else own
-        return None if lane is None else Haunt(lane, x, y, ego.speed, edges)
+        if lane is not None:
+            return Haunt(lane, x, y, ego.speed, edges)
+        lane = cut_lane(graph, plan, here, s, ego.speed, limits)
+        return None if lane is None else Haunt(lane, x, y, ego.speed, edges, waits=True)
     lane = _beside(graph, here.lane_id, plan.aside.lateral)
     if lane is None or not _covers(lane, x, y, limits):
         return None
@@ -64,18 +72,38 @@ def _covers(lane: Lane, x: float, y: float, limits: VehicleLimits) -> bool:
 def lane_to_haunt(
     graph: RoadGraph, plan: NominalPlan, lane_id: str, x: float, y: float, s: float, limits: VehicleLimits
 ) -> Lane | None:
-    """Return the lane beside `lane_id` that a change under way covers or is about to; None when there is none.
+    """Return which of the two lanes of a change under way SUMO does not map the ego to; None when there is no change.
 
-    `x`, `y`: front bumper (m); `s`: arc length of the front axle on C. During the change both lanes must see the ego, and
-    the old one until the rear has left it.
+    `lane_id` is the one that C follows here; SUMO maps the ego to the one whose centre is nearer to its front bumper `x`,
+    `y` (m). `s`: arc length of the front axle on C. During the change both lanes must see the ego, and the old one until
+    the rear has left it.
     """
     change = next((c for c in plan.lane_changes if c.start <= s <= c.end + limits.length), None)
     lane = graph.lanes.get(lane_id)
     if change is None or lane is None or lane.is_internal:
         return None
-    _, d = lane.spine.project(x, y)
+    is_old = lane_id == change.from_lane or (lane_id != change.to_lane and s < 0.5 * (change.start + change.end))
     left, right = graph.neighbours(lane_id)
-    on_new_lane = d * change.side < 0.0
-    beside = (right if change.side > 0 else left) if on_new_lane else (left if change.side > 0 else right)
-    finished = on_new_lane and abs(d) + 0.5 * limits.width < 0.5 * lane.width - STRADDLE_M and s > change.end
-    return None if finished else beside
+    other = left if (change.side > 0) is is_old else right
+    if other is None:
+        return None
+    d = change.side * lane.spine.project(x, y)[1]
+    if not is_old and s > change.end and 0.5 * limits.width - d < 0.5 * lane.width - STRADDLE_M:
+        return None
+    return other if abs(d) <= abs(other.spine.project(x, y)[1]) else lane
+
+
+def cut_lane(
+    graph: RoadGraph, plan: NominalPlan, here: LaneSegment, s: float, speed: float, limits: VehicleLimits
+) -> Lane | None:
+    """Return the lane beside the ego's that a long body covers in a bend, now or soon; None: there is none.
+
+    The rear cuts to the inside of a bend, the front swings out of it. Who comes there from behind must see it before the
+    body is across. `s`: arc length of the front axle on C, m.
+    """
+    rear, ahead = s + limits.front_overhang - limits.length, s + limits.front_overhang + speed * CUT_SEEN_S
+    for cut in cuts_of(plan, graph, limits):
+        if rear < cut.end and cut.start < ahead:
+            beside = lane_at_side(graph, here.lane_id, cut.left)
+            return graph.lanes[cut.lane_id] if beside is None and cut.lane_id.startswith(":") else beside
+    return None

@@ -41,8 +41,8 @@ def conflict_regions(owns: Sequence[Connection], junction: Junction) -> dict[str
 
 
 def _indexed_points(connections: Sequence[Connection]) -> tuple[Points, Any]:
-    """Return the points of all paths with their tails (n, 2), and the number of the path each belongs to, shape (n,)."""
-    points = [joined([c.path.points, c.tail]) if c.tail is not None else c.path.points for c in connections]
+    """Return the points of all paths with their heads and tails (n, 2), and the number of each one's path, shape (n,)."""
+    points = [joined([part for part in (c.head, c.path.points, c.tail) if part is not None]) for c in connections]
     return np.concatenate(points), np.repeat(np.arange(len(points)), [len(part) for part in points])
 
 
@@ -60,8 +60,9 @@ def inside_part(spine: Polyline, outline: Points) -> Points | None:
     return points[:length] if length * REGION_STEP_M >= MIN_TAIL_M else None
 
 
-def hold_back(approach: Polyline, ways: Sequence[Points]) -> float:
-    """Return how far before the end of an approach lane (m) a body must stop to stay out of the bands swept along `ways`.
+def hold_back(approach: Polyline, ways: Sequence[Points]) -> tuple[float, tuple[int, ...]]:
+    """Return how far before the end of an approach lane (m) a body must stop to stay out of the bands swept along `ways`,
+    and the numbers of the ways that reach over it.
 
     `ways` are paths of traffic from other roads, each with the start of the lane behind it. On most maps none of them
     reaches over the stop line.
@@ -69,14 +70,16 @@ def hold_back(approach: Polyline, ways: Sequence[Points]) -> float:
     start = max(approach.length - HOLD_BACK_REACH_M, 0.0)
     line = shapely.linestrings(cut(approach, start, approach.length))
     band = shapely.buffer(line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
-    near = [way for way in ways if _bounds_meet(band.bounds, way)]
+    near = [i for i, way in enumerate(ways) if _bounds_meet(band.bounds, way)]
     if not near:
-        return 0.0
-    bands = shapely.buffer([shapely.linestrings(way) for way in near], 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+        return 0.0, ()
+    bands = shapely.buffer([shapely.linestrings(ways[i]) for i in near], 0.5 * SWEPT_WIDTH_M, cap_style="flat")
     overlaps = shapely.intersection(band, bands)
-    found = [part for part in overlaps if part.area > UNDECLARED_REGION_AREA_M2]
-    places = [shapely.line_locate_point(line, shapely.points(shapely.get_coordinates(part))).min() for part in found]
-    return float(line.length - min(places)) if places else 0.0
+    found = {i: part for i, part in zip(near, overlaps, strict=True) if part.area > UNDECLARED_REGION_AREA_M2}
+    if not found:
+        return 0.0, ()
+    corners = shapely.points(shapely.get_coordinates(list(found.values())))
+    return float(line.length - shapely.line_locate_point(line, corners).min()), tuple(found)
 
 
 def _bounds_meet(bounds: tuple[float, ...], way: Points) -> bool:
@@ -134,7 +137,7 @@ def _touch(own: Connection, kind: ConflictKind) -> Any:
 
 def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any, lines: tuple[Any, Any]) -> ConflictRegion:
     outline = shapely.points(shapely.get_coordinates(shapely.segmentize(overlap, REGION_STEP_M)))
-    own_stretch = _stretch(lines[0], outline, kind)
+    own_stretch = _stretch(lines[0], outline, kind, own.hold_back)
     region_id = f"{own.id}|{other.id}"
     return ConflictRegion(
         id=region_id,
@@ -142,18 +145,21 @@ def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any
         own_id=own.id,
         other_id=other.id,
         own=own_stretch,
-        other=_stretch(lines[1], outline, kind),
+        other=_stretch(lines[1], outline, kind, other.hold_back),
         polygon=shapely.get_coordinates(shapely.get_exterior_ring(overlap))[:-1],
         post=PostConflictRegion(own.id, own_stretch.end, region_id),
     )
 
 
-def _stretch(line: Any, outline: Any, kind: ConflictKind) -> Interval:
-    """Return the arc lengths (m) over which a body's cross-section meets the area that the points `outline` enclose."""
+def _stretch(line: Any, outline: Any, kind: ConflictKind, head: float) -> Interval:
+    """Return the arc lengths (m) over which a body's cross-section meets the area that the points `outline` enclose.
+
+    The `line` begins `head` m before the stop line, so that a region on the approach lane starts at a negative place.
+    """
     s = shapely.line_locate_point(line, outline)
-    start = 0.0 if kind is ConflictKind.DIVERGING else float(s.min())
-    end = float(line.length) if kind is ConflictKind.MERGING else float(s.max())
-    return Interval(start, end)
+    start = 0.0 if kind is ConflictKind.DIVERGING else float(s.min()) - head
+    end = (float(line.length) if kind is ConflictKind.MERGING else float(s.max())) - head
+    return Interval(start, max(start, end))
 
 
 def _on_separate_levels(own: Connection, other: Connection, overlap: Any) -> bool:

@@ -51,9 +51,10 @@ class Connection:
     more for a turn that may wait inside), `path` their joined centre line; arc length on it starts at the stop line.
     `wait_at` is the arc length of the place inside the junction where a turn may wait, or None. `width` is the narrowest
     internal lane's, m. `heights` (n,) are the elevations of the path's points, m; None in a flat network. `tail` (k, 2)
-    is where the lane behind goes on inside the junction's outline, None if it does not. `hold_back` (m) is how far before
-    the stop line a body must stop so as not to stand in others' way. A pedestrian crossing (`is_crossing`) joins two
-    walking areas and is used both ways.
+    is where the lane behind goes on inside the junction's outline or over the approach of another road, None if it does
+    not. `hold_back` (m) is how far before the stop line a body must stop so as not to stand in others' way, `head` (k, 2)
+    that part of the approach lane, None if there is none. A pedestrian crossing (`is_crossing`) joins two walking areas
+    and is used both ways.
     """
 
     id: str
@@ -74,6 +75,7 @@ class Connection:
     heights: NDArray[np.float64] | None = None
     tail: Points | None = None
     hold_back: float = 0.0
+    head: Points | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from helpers.cars import CAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.executor.collision import braking_collides
+from sumo_reactive.executor.collision import braking_collides, turned
 from sumo_reactive.geometry.footprint import Footprint, boxes_overlap
 
 boxes = st.tuples(st.floats(-6, 6), st.floats(-6, 6), st.floats(-4, 4), st.floats(0.5, 12), st.floats(0.3, 3))
@@ -36,11 +36,14 @@ def test_boxes_that_only_touch_do_not_overlap():
     assert not boxes_overlap(0.0, 0.0, 0.0, 4.0, 2.0, 0.0, 2.0, 0.0, 4.0, 2.0)
 
 
-def collides(speed: float, *others: tuple[float, ...], horizon: float = 10.0) -> bool:
-    """Whether an ego with its rear axle at the origin, braking with 9 m/s² from now on, hits one of the others."""
+def collides(speed: float, *others: tuple[float, ...], horizon: float = 10.0, turn: float = 0.0) -> bool:
+    """Whether an ego with its rear axle at the origin, braking with 9 m/s² from now on, hits one of the others.
+
+    They turn by `turn` rad/s.
+    """
     return braking_collides(
         0.0, 0.0, 0.0, speed, 0.0, CAR.wheelbase, CAR.front_to_rear_axle, CAR.length, CAR.width, 9.0,
-        np.array(others).reshape(-1, 6), 0.0, horizon, 0.1,
+        np.array([(*other, turn) for other in others]).reshape(-1, 7), 0.0, horizon, 0.1,
     )  # fmt: skip
 
 
@@ -79,3 +82,21 @@ def test_a_much_faster_follower_is_its_own_business():
 def test_nothing_beyond_the_horizon_counts():
     assert collides(20.0, wall(15.0))
     assert not collides(20.0, wall(15.0), horizon=0.5)
+
+
+def test_a_car_that_comes_round_a_bend_beside_the_ego_is_not_met():
+    """It is 5 m ahead and 3 m to the left, comes a quarter across the ego's way, and will be parallel in half a second."""
+    oncoming = (CAR.front_to_rear_axle + 5.0, 3.0, math.pi + 0.45, 10.0, 4.5, 1.8)
+    assert collides(6.0, oncoming, horizon=0.7)
+    assert not collides(6.0, oncoming, horizon=0.7, turn=-1.0)
+
+
+@given(st.floats(0.0, 20.0), st.floats(-1.5, 1.5), st.floats(0.0, 0.7), st.floats(-3.0, 3.0))
+def test_a_turning_box_stays_on_its_circle(speed, turn, time, heading):
+    box = np.array((2.0 * math.cos(heading), 2.0 * math.sin(heading), heading, speed, 4.0, 1.8, turn))
+    x, y, after = turned(box, time)
+    assume(abs(turn) > 0.01)
+    radius = speed / turn
+    cx, cy = -radius * math.sin(heading), radius * math.cos(heading)
+    assert math.hypot(x - cx, y - cy) == pytest.approx(abs(radius), abs=0.01)
+    assert after == pytest.approx(heading + turn * time)

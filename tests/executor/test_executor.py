@@ -1,6 +1,7 @@
 """One command from the potential field: within the limits, along C, before the stop, behind the leader (F&L 1991, §3.2)."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from hypothesis import strategies as st
 from sumo_reactive.executor.executor import execute
 from sumo_reactive.geometry.curve import Curve
 from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.messages.record import BEND, STOP_PLACE
 from sumo_reactive.messages.snapshot import Leader
 from sumo_reactive.messages.state import Pose, VehicleState
+from sumo_reactive.parameters import HARD_STOP_MARGIN_M, PLANNED_DECELERATION
 
 ROAD = plan_along(straight())
 TIGHT = 4.4
@@ -170,3 +173,68 @@ def test_the_potential_is_the_weighted_sum_of_its_three_terms():
     u, w = execution.potentials, asked(ROAD).tuning.weights
     assert u.shadow > 0.0
     assert u.total == pytest.approx(w.valley * u.valley + w.shadow * u.shadow + w.velocity * u.velocity)
+
+
+def braked(speed: float, stop: float | None = None, leader: Leader | None = None, plan=ROAD, acceleration: float = 0.0):
+    """Return the execution of a car with its front bumper at 10 m."""
+    state = replace(on_curve(plan.curve, 10.0, speed), acceleration=acceleration)
+    leaders = () if leader is None else (leader,)
+    completed = asked(plan, None if stop is None else StopAt(stop, Reason.RED_LIGHT))
+    return execute(seen(state, plan, 9.0, leaders=leaders), completed, CAR, 0.1)
+
+
+@pytest.mark.parametrize("speed", [2.0, 8.0, 13.0])
+def test_a_stop_that_planned_braking_reaches_is_no_emergency_however_late_it_appears(speed):
+    way = speed**2 / (2.0 * PLANNED_DECELERATION) + HARD_STOP_MARGIN_M + 0.01
+    execution = braked(speed, stop=10.0 + way)
+    assert not execution.emergency
+    assert execution.state.acceleration == pytest.approx(-PLANNED_DECELERATION)
+
+
+@pytest.mark.parametrize("share", [0.95, 0.7, 0.4])
+def test_a_stop_nearer_than_that_is_an_emergency_that_is_named(share):
+    execution = braked(13.0, stop=10.0 + share * 13.0**2 / (2.0 * PLANNED_DECELERATION))
+    assert execution.emergency
+    assert execution.hazard == STOP_PLACE
+    assert execution.state.acceleration < -PLANNED_DECELERATION
+
+
+@settings(max_examples=40)
+@given(st.floats(0.5, 20.0), st.floats(1.0, 2.0), st.floats(0.05, 0.1))
+def test_planned_braking_for_a_late_stop_never_becomes_an_emergency(speed, room, period):
+    """Neither the period nor the onset of braking uses up the way that was enough."""
+    plan = plan_along(straight(), 25.0)
+    stop = StopAt(10.0 + room * speed**2 / (2.0 * PLANNED_DECELERATION) + HARD_STOP_MARGIN_M + 0.05, Reason.RED_LIGHT)
+    trace = list(driven(plan, on_curve(plan.curve, 10.0, speed), lambda _: asked(plan, stop), 12.0, period))
+    assert not any(execution.emergency for _, execution in trace)
+    assert min(execution.state.acceleration for _, execution in trace) > -PLANNED_DECELERATION - 0.01
+    assert max(snapshot.front for snapshot, _ in trace) < stop.s
+
+
+def test_a_leader_that_stands_too_near_is_named():
+    execution = braked(10.0, leader=Leader("x", 22.0, 0.0, 9.0))
+    assert (execution.emergency, execution.hazard) == (True, "x")
+
+
+def test_a_body_that_appears_before_a_creeping_car_is_stopped_for_without_an_emergency():
+    execution = braked(1.0, leader=Leader("x", 10.6, 0.0, 9.0))
+    assert not execution.emergency
+    assert -PLANNED_DECELERATION - 0.01 < execution.state.acceleration < -2.0
+
+
+def test_an_emergency_ends_at_once():
+    assert braked(10.0, acceleration=-9.0).state.acceleration > -PLANNED_DECELERATION
+
+
+@pytest.mark.parametrize(("speed", "is_emergency"), [(8.0, False), (11.0, True)])
+def test_too_fast_for_a_bend_is_an_emergency_only_if_planned_braking_does_not_hold_it(speed, is_emergency):
+    """A bend of 12 m radius begins 4.9 m before the axle; 3.6 m/s² sideways allow 6.6 m/s, planned braking from 8.5 m/s."""
+    plan = plan_along(turning([14.0, 18.0, 60.0], [0.0, 1.0 / 12.0, 0.0]))
+    execution = braked(speed, plan=plan)
+    assert (execution.emergency, execution.hazard) == ((True, BEND) if is_emergency else (False, ""))
+
+
+def test_a_lower_speed_limit_is_never_an_emergency():
+    execution = braked(20.0, plan=plan_along(straight(), 8.0))
+    assert not execution.emergency
+    assert execution.state.acceleration >= -PLANNED_DECELERATION - 1e-9

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import Net, car, driven, edge, fails, link, node, stream
-
-FORCES = "it cuts in 5 to 9 m before somebody at 13 m/s, who brakes with 7 to 9 m/s²"
-JOINS_SLOWLY = "it joins with 16 to 21 m/s, 28 to 54 m before somebody at 24 m/s, who brakes with 5 to 9 m/s²"
-SQUEEZES_IN = "while both change, the other finds the ego 3 to 13 m ahead and brakes with 5 to 6.5 m/s²"
+from kinds import Net, car, driven, edge, link, node, stream
 
 
 @pytest.mark.parametrize("ahead", [12, 6, 0, -6])
@@ -19,7 +15,7 @@ def test_a_lane_that_ends_is_left_in_time(tmp_path, ahead):
     assert run.complaints() == []
 
 
-@pytest.mark.parametrize("headway", [fails(1.6, because=FORCES), fails(2.0, because=FORCES), 3.0])
+@pytest.mark.parametrize("headway", [1.6, 2.0, 3.0])
 def test_a_change_that_the_route_needs_is_made_in_dense_traffic_on_a_short_edge(tmp_path, headway):
     nodes = node("a", 0, 0) + node("b", 180, 0) + node("d", 280, 0) + node("n", 180, 100)
     rules = link("ab bd", "00") + link("ab bn", "11")
@@ -29,7 +25,6 @@ def test_a_change_that_the_route_needs_is_made_in_dense_traffic_on_a_short_edge(
     assert run.complaints() == []
 
 
-@pytest.mark.xfail(reason=JOINS_SLOWLY, strict=True)
 @pytest.mark.parametrize("headway", [1.8, 2.2, 3.0])
 def test_an_on_ramp_joins_a_fast_stream(tmp_path, headway):
     nodes = node("a", 0, 0) + node("b", 300, 0) + node("d", 500, 0) + node("e", 700, 0) + node("r", 100, -60)
@@ -40,7 +35,6 @@ def test_an_on_ramp_joins_a_fast_stream(tmp_path, headway):
     assert run.complaints() == []
 
 
-@pytest.mark.xfail(reason=SQUEEZES_IN, strict=True)
 @pytest.mark.parametrize("late", [-1.0, 0.0, 1.0])
 @pytest.mark.parametrize("length", [80, 150])
 def test_two_cars_exchange_their_lanes(tmp_path, late, length):

@@ -8,7 +8,7 @@ from helpers.cars import BODY
 from helpers.situations import before
 
 from sumo_reactive.parameters import PATH_STEP_M
-from sumo_reactive.perception.foresee import foresee, paths_ahead
+from sumo_reactive.perception.foresee import foresee, paths_ahead, turn_rate
 
 SECONDS = 40.0
 """Long enough for every car here to come to the end of its path."""
@@ -97,3 +97,19 @@ def test_several_users_keep_their_paths_apart(ego):
     for user in users:
         k = forecast.user_ids.index(user.id)
         assert math.dist(forecast.points[forecast.first[k], :2], (user.x, user.y)) <= PATH_STEP_M
+
+
+def test_a_car_on_a_straight_lane_does_not_turn(ego):
+    straight_on = ego.other("x", LANE, -60.0, 8.0, ("from_east", "to_south"))
+    assert turn_rate(ego.graph, straight_on, 0.7) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_car_that_is_about_to_turn_left_turns_left_as_its_way_does(ego):
+    turning = ego.other("x", LANE, -1.0, 8.0, ("from_east", "to_south"))
+    assert turn_rate(ego.graph, turning, 0.7) > 0.1
+    right = ego.other("x", LANE, -1.0, 8.0, ("from_east", "to_north"))
+    assert turn_rate(ego.graph, right, 0.7) < -0.1
+
+
+def test_where_the_ways_part_nobody_is_taken_to_turn(ego):
+    assert turn_rate(ego.graph, ego.other("x", LANE, -1.0, 8.0, ()), 0.7) == 0.0

@@ -99,10 +99,10 @@ def test_without_others_there_is_nothing_to_see(ego):
     assert (seen.on_path, seen.foes, seen.neighbours, len(seen.boxes)) == ((), (), (), 0)
 
 
-def test_the_boxes_of_those_near_tell_place_motion_and_size(ego):
+def test_the_boxes_of_those_near_tell_place_motion_size_and_turning(ego):
     user = ego.other("ahead", "from_south_0", -3.0, 2.0, ())
     (box,) = ego.seen(user).boxes.tolist()
-    assert box == pytest.approx([user.x, user.y, user.heading, 2.0, BODY.length, BODY.width])
+    assert box == pytest.approx([user.x, user.y, user.heading, 2.0, BODY.length, BODY.width, 0.0])
 
 
 def test_a_car_on_the_lane_that_the_route_needs_is_a_neighbour():

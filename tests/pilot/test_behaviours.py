@@ -290,6 +290,13 @@ def test_the_ego_enters_a_region_only_if_it_is_free_and_the_post_conflict_region
     assert any(decision.reason is reason and not decision.passes for decision in completed.decisions)
 
 
+@pytest.mark.parametrize(("away", "stops"), [(8.0, True), (3.0, False)])
+def test_the_ego_keeps_a_junction_clear_only_where_planned_braking_stops_it_before_the_line(away, stops):
+    ego = before("four_way_priority", SOUTH_NORTH, away, 5.0)
+    decisions = ego.step(behind_region(ego)).completed.decisions
+    assert any(decision.reason is Reason.EXIT_BLOCKED for decision in decisions) is stops
+
+
 # --- stopping and normal driving --------------------------------------------------------------------------------------
 
 

@@ -4,6 +4,7 @@ import pytest
 from helpers.situations import before
 
 from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.parameters import HARD_STOP_MARGIN_M, YELLOW_DECELERATION
 
 CROSSING = "signalised_left_turns"
 STRAIGHT = ("from_south", "to_north")
@@ -79,3 +80,10 @@ def test_the_ego_drives_off_when_red_turns_green():
 
 def test_a_junction_without_a_light_has_no_letter():
     assert before("four_way_priority", ("from_west", "to_east"), 30.0, 10.0).stop() is None
+
+
+@pytest.mark.parametrize("speed", [6.0, 10.0, 14.0])
+def test_a_yellow_is_stopped_at_only_where_planned_braking_ends_before_the_line(speed):
+    way = speed**2 / (2.0 * YELLOW_DECELERATION) + HARD_STOP_MARGIN_M
+    assert stop_for("y", way + 0.2, speed).reason is Reason.YELLOW_LIGHT
+    assert stop_for("y", way - 0.1, speed) is None

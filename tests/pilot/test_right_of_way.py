@@ -45,6 +45,20 @@ def test_the_minor_road_goes_when_the_gap_is_large():
     assert ego.stop(on(ego, WEST_EAST, -140.0, 13.0), on(ego, EAST_WEST, -140.0, 13.0)) is None
 
 
+def test_a_car_in_a_queue_does_not_come_before_the_head_of_the_queue_does():
+    """The head has been standing for long, so that it counts no more; who rolls up behind it cannot pass it."""
+    ego = before("four_way_priority", SOUTH_NORTH, 1.0, 0.0).having_stood(4.0)
+    head, behind = on(ego, WEST_EAST, -1.0, 0.0, 20.0), on(ego, WEST_EAST, -9.0, 3.0)
+    assert ego.stop(behind) is not None
+    assert ego.stop(head, behind) is None
+
+
+def test_the_longer_a_car_with_priority_has_stood_the_shorter_the_ego_waits_for_it():
+    ego = before("four_way_priority", SOUTH_NORTH, 1.0, 0.0)
+    assert ego.having_stood(1.5).stop(on(ego, WEST_EAST, -1.0, 0.0, 3.5)) is not None
+    assert ego.having_stood(1.5).stop(on(ego, WEST_EAST, -1.0, 0.0, 5.0)) is None
+
+
 def test_the_minor_road_goes_behind_a_car_that_has_passed():
     ego = before("four_way_priority", SOUTH_NORTH, 1.0, 0.0)
     assert ego.stop(ego.other("passed", "to_east_0", 8.0, 13.0, ("to_east",))) is None

@@ -4,6 +4,7 @@ import pytest
 from helpers.situations import before
 
 from sumo_reactive.messages.decision import Behaviour, Reason
+from sumo_reactive.parameters import STANDING_SPEED
 from sumo_reactive.world.route import ScheduledStop
 
 ROUTE = ("from_west", "to_east")
@@ -11,7 +12,7 @@ DURATION = 4.0
 
 
 def standing_times(steps) -> list[float]:
-    return [step.snapshot.time for step in steps if step.snapshot.ego.speed < 0.05]
+    return [step.snapshot.time for step in steps if step.snapshot.ego.speed < STANDING_SPEED]
 
 
 def stopping(until: float | None = None):

@@ -11,6 +11,7 @@ from planner_roads import CAR, corner, graph, road, start_on
 
 from sumo_reactive.geometry.polyline import Polyline, joined
 from sumo_reactive.messages.plan import NominalPlan
+from sumo_reactive.planner.centring import centred
 from sumo_reactive.planner.planner import plan
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
@@ -18,6 +19,7 @@ from sumo_reactive.world.route import Route
 
 AB = Route(("a", "b"))
 BUS = replace(CAR, length=12.0, width=2.5, wheelbase=7.2, front_overhang=2.16, max_steering_angle=0.8)
+TRAILER = replace(BUS, length=18.0, wheelbase=10.8, front_overhang=3.24)
 
 
 def deviation(world: RoadGraph, found: NominalPlan, lanes: list[str]) -> float:
@@ -66,6 +68,40 @@ def test_a_bus_of_twelve_metres_can_steer_a_corner_and_stays_near_its_lane(radiu
     found = plan(world, AB, "passenger", BUS, start_on(world.lanes["a_0"], 20.0))
     assert steering(found, BUS) <= BUS.max_steering_angle
     assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < room
+
+
+def bumper(found: NominalPlan, limits: VehicleLimits) -> Polyline:
+    """Way of the middle of the front bumper while the front axle follows C."""
+    curve, heading, way = found.curve, float(found.curve.heading[0]), []
+    for k in range(len(curve.x)):
+        heading += math.sin(curve.heading[k] - heading) * curve.step / limits.wheelbase
+        ahead = limits.front_overhang
+        way.append((curve.x[k] + ahead * math.cos(heading), curve.y[k] + ahead * math.sin(heading)))
+    return Polyline(np.array(way))
+
+
+@pytest.mark.parametrize("radius", [4.0, 5.0])
+def test_a_bus_keeps_its_front_out_of_the_oncoming_lane_in_a_right_turn(radius: float) -> None:
+    a, b = road("a", [(0, 0), (60, 0)]), road("b", [(60 + radius, -radius), (60 + radius, -60 - radius)])
+    bend = [(60 + radius * math.sin(t), radius * (math.cos(t) - 1)) for t in np.linspace(0, math.pi / 2, 7)[1:-1]]
+    world = graph([a, b], [("a_0", "b_0")], {"a_0": bend})
+    found = plan(world, AB, "passenger", BUS, start_on(world.lanes["a_0"], 20.0))
+    assert steering(found, BUS) <= BUS.max_steering_angle
+    behind = [x for x, y in bumper(found, BUS).points if -40.0 < y < -radius]
+    assert max(behind) - 60.0 - radius < 1.2
+
+
+@pytest.mark.parametrize("left_hand", [False, True])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_long_body_stays_in_its_lane_in_a_wide_bend(side: int, left_hand: bool) -> None:
+    angles = np.linspace(0.0, 1.5, 180)
+    line = np.column_stack([60.0 * np.sin(angles), side * 60.0 * (1.0 - np.cos(angles))])
+    moved = centred(line, np.full(len(line), 1.6), TRAILER, left_hand)
+    away = np.hypot(moved[60:120, 0], side * moved[60:120, 1] - 60.0) - 60.0
+    keeps_out_of_oncoming = (side > 0) == left_hand
+    assert away.min() > (-1e-6 if keeps_out_of_oncoming else 0.1)
+    assert away.max() < 0.5  # its rear is 1 m inside
+    assert np.array_equal(centred(line, np.full(len(line), 1.6), CAR, left_hand), line)
 
 
 @pytest.mark.parametrize("length", [7.0, 12.0])

@@ -35,3 +35,44 @@ def test_an_ego_that_swings_out_over_another_road_keeps_its_route(tmp_path):
         assert (mapped[0], mapped[-1]) == ("", "wc_0")
     finally:
         libsumo.close()
+
+
+def test_others_expect_of_the_ego_what_they_expect_of_its_type_until_it_brakes_harder(tmp_path):
+    """SUMO's cars choose their gaps behind a vehicle by its type: with more to fear they would at once brake hard."""
+    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
+    routes = tmp_path / "ego.rou.xml"
+    routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
+    lane = read_net(net).lane("wc_0")
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
+    try:
+        libsumo.simulationStep()
+        ego = Ego("ego")
+        usual = libsumo.vehicle.getApparentDecel("ego")
+        ego.take_over(0.1)
+        feared = []
+        for acceleration in (0.0, -3.0, -8.0, -1.0):
+            state = VehicleState(pose_of(-60.0, LANE_Y, 0.0, ego.limits), 10.0, 0.0, acceleration)
+            ego.place(state, Intent.DRIVE, 0.1, lane)
+            libsumo.simulationStep()
+            feared.append(libsumo.vehicle.getApparentDecel("ego"))
+        assert feared == [usual, usual, ego.limits.emergency_deceleration, usual]
+    finally:
+        libsumo.close()
+
+
+def test_the_ego_asks_for_room_only_while_it_seeks_a_gap(tmp_path):
+    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
+    routes = tmp_path / "ego.rou.xml"
+    routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
+    try:
+        libsumo.simulationStep()
+        ego = Ego("ego")
+        ego.take_over(0.1)
+        modes = []
+        for wants_room in (False, True, True, False):
+            ego.ask_for_room(wants_room)
+            modes.append(libsumo.vehicle.getLaneChangeMode("ego") != 0)
+        assert modes == [False, True, True, False]
+    finally:
+        libsumo.close()

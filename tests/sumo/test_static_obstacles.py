@@ -35,13 +35,15 @@ ROUTES = """<routes><vType id="car" length="5" width="1.8"/>
 
 WATCH = """
 import json, sys, libsumo
-from sumo_reactive.sumo.static_obstacles import StaticObstacles
+from sumo_reactive.sumo.static_obstacles import StaticObstacles, StaticView
 net, routes, more, kind = sys.argv[1:]
 libsumo.start(["sumo", "-n", net, "-r", routes, "-a", more, "--no-step-log", "--no-warnings"])
 for _ in range(6):
     libsumo.simulationStep()
-seen, steps = StaticObstacles(kind), []
+obstacles, steps = StaticObstacles(kind), []
+seen = StaticView(obstacles)
 for _ in range(30):
+    obstacles.update()
     near = seen.near(120.0, -1.6)
     users = [[u.id, u.x, u.y, u.heading, u.speed, u.lane_id, u.is_halted, u.body.length, u.body.width] for u in near.users]
     steps.append({"users": users, "points": near.points.tolist(), "on_lane": libsumo.lane.getLastStepVehicleIDs("ab_0")})

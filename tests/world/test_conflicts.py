@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from world_pieces import connection, junction, only
 
+from sumo_reactive.geometry.polyline import Polyline
 from sumo_reactive.parameters import SWEPT_WIDTH_M
-from sumo_reactive.world.conflicts import conflict_regions
+from sumo_reactive.world.conflicts import conflict_regions, hold_back
 from sumo_reactive.world.regions import ConflictKind
 
 HALF = 0.5 * SWEPT_WIDTH_M
@@ -125,3 +126,29 @@ def test_every_region_lies_on_both_paths(angle, radius):
     for region in regions_of(EAST, turning, foes=[(0, 1)]):
         assert 0.0 <= region.own.start <= region.own.end <= EAST.path.length + 1e-9
         assert 0.0 <= region.other.start <= region.other.end <= turning.path.length + 1e-9
+
+
+APPROACH = Polyline(np.array([(-40.0, 0.0), (0.0, 0.0)]))
+BACK = np.array([(4.0, 0.5), (-7.0, 0.5), (-10.0, 6.0)])
+"""A way out that lies over the last 7 m of the approach."""
+
+
+def test_a_way_that_reaches_over_an_approach_lane_is_named_and_leaves_no_room_there():
+    room, reaching = hold_back(APPROACH, [np.array([(4.0, 9.0), (-12.0, 9.0)]), BACK])
+    assert 7.0 < room < 10.0
+    assert reaching == (1,)
+
+
+def test_an_approach_that_nobody_reaches_over_is_used_up_to_its_line():
+    assert hold_back(APPROACH, [np.array([(4.0, 9.0), (-12.0, 9.0)])]) == (0.0, ())
+
+
+def test_a_region_on_the_approach_begins_before_the_stop_line():
+    """Both see the same area: one before its line, the other behind its junction."""
+    head, tail = np.array([(-8.0, 0.0), (0.0, 0.0)]), np.array([(0.0, 0.5), (-7.0, 0.5)])
+    own = connection("w_0->e_0", [(0, 0), (4, 0)], 0, hold_back=8.0, head=head)
+    other = connection("e_1->w_1", [(4, 0.5), (0, 0.5)], 1, tail=tail)
+    region = only(regions_of(own, other))
+    assert region.own.start == pytest.approx(-7.0, abs=0.01)
+    assert region.own.end == pytest.approx(4.0, abs=0.01)
+    assert (region.other.start, region.other.end) == pytest.approx((0.0, 11.0), abs=0.01)

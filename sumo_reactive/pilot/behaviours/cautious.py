@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason, StopAt
 from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, STANDING_SPEED, STOP_REACHED_M
+from sumo_reactive.parameters import (
+    CAUTIOUS_AHEAD_M,
+    CAUTIOUS_AHEAD_S,
+    HARD_STOP_MARGIN_M,
+    PLANNED_DECELERATION,
+    STANDING_SPEED,
+    STOP_REACHED_M,
+)
 from sumo_reactive.pilot.lights import Signal, letter_of, signal
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Crossing
@@ -21,12 +28,13 @@ def stop_at_line(
 ) -> tuple[StopAt | None, Decision | None, PilotMemory]:
     """Return the stop that light or sign ask for before the line, the decision to pass a light that changed too late,
     and the memory of a full stop once it is made."""
-    connection, place = way.connection, way.line if way.line > snapshot.front else way.passage.start
+    connection, place = way.connection, _place(way, snapshot)
     to_line = way.passage.start - snapshot.front
     if to_line < 0.0:
         return None, None, memory
     letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
-    asked = signal(letter, to_line, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
+    to_stop = to_line - HARD_STOP_MARGIN_M if letter in "yY" else to_line
+    asked = signal(letter, to_stop, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
     if asked in _REASONS:
         return StopAt(place, _REASONS[asked], cause=light), None, memory
     if asked is Signal.GO_ON_YELLOW:
@@ -39,6 +47,16 @@ def stop_at_line(
     if snapshot.ego.speed < STANDING_SPEED and place - snapshot.front < STOP_REACHED_M:
         return None, None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
     return StopAt(place, Reason.STOP_SIGN), None, memory
+
+
+def _place(way: Crossing, snapshot: Snapshot) -> float:
+    """Where to stop before a junction, m of C: where nobody's way reaches over, or the line once that is passed or takes
+    braking harder than planned."""
+    line = way.passage.start
+    if way.line <= snapshot.front:
+        return line
+    stops = snapshot.front + HARD_STOP_MARGIN_M + snapshot.ego.speed**2 / (2.0 * PLANNED_DECELERATION)
+    return min(max(way.line, stops), line)
 
 
 def intersection_is_near(situation: Situation) -> bool:

@@ -7,21 +7,27 @@ from typing import NamedTuple
 
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.messages.snapshot import Conflict, Foe, Snapshot
+from sumo_reactive.messages.traffic import RoadUser
 from sumo_reactive.parameters import (
+    BEFORE_THE_LINE_M,
     COMMITTED_PATIENCE,
     ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
+    HARD_STOP_MARGIN_M,
     HESITATING_SPEED,
     HESITATION_S,
+    LEAST_PATIENCE_S,
     MAX_ACCELERATION_IN_PLAN,
     OFF_THE_LINE_M,
+    PLANNED_DECELERATION,
     REGION_MARGIN_M,
     STANDING_SPEED,
+    TWO_WHEELER_WIDTH_M,
     WAIT_SHIFT_M,
     ZIPPER_LEAD_M,
 )
-from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, threat, travel_time
+from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, stopping_behind, threat, travel_time
 from sumo_reactive.pilot.lights import holds_back, letter_of, outranks
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Crossing
@@ -62,10 +68,34 @@ def judgements(
     crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
 ) -> Iterator[tuple[Judgement, float | None]]:
     """Yield what each foe means for a passage, with the place (m of C) to wait for it (None: go on)."""
+    heads = _heads_of_queues(snapshot)
     for foe in snapshot.foes:
-        judgement = judge(foe, crossing, snapshot, memory, limits) if foe.passage == crossing.number else None
+        if foe.passage != crossing.number or _is_behind(heads, foe):
+            continue
+        judgement = judge(foe, crossing, snapshot, memory, limits)
         if judgement is not None:
             yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
+
+
+def _heads_of_queues(snapshot: Snapshot) -> dict[str, float]:
+    """Return, by lane, the position (m) of the foremost foe that stands before its line: it is judged for all behind it."""
+    heads: dict[str, float] = {}
+    for foe in snapshot.foes:
+        user = foe.user
+        if foe.to_stop_line >= 0.0 and user.speed < STANDING_SPEED and not user.is_halted and _is_wide(user):
+            heads[user.lane_id] = max(user.lane_position, heads.get(user.lane_id, user.lane_position))
+    return heads
+
+
+def _is_behind(heads: dict[str, float], foe: Foe) -> bool:
+    """Whether a foe cannot come before the head of its queue does."""
+    head = heads.get(foe.user.lane_id)
+    return head is not None and foe.user.lane_position < head and _is_wide(foe.user)
+
+
+def _is_wide(user: RoadUser) -> bool:
+    """Whether a road user fills its lane: two-wheelers pass queues and are passed."""
+    return not user.body.is_person and user.body.width >= TWO_WHEELER_WIDTH_M
 
 
 def judge(
@@ -88,10 +118,16 @@ def judge(
         return None
     acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
     own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
+    own = stopping_behind(own, to_clear, snapshot.ego.speed, crossing.stop - front)
     other = threat(foe, expects_ego=committed)
-    may_follow = committed or _is_certain(foe) or crossing.passage.start - front > ENTERING_M
+    may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
     passes = is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
     return Judgement(_reason(foe), foe, passes, own, other)
+
+
+def _entry(conflict: Conflict, crossing: Crossing) -> float:
+    """Arc length on C at which the ego enters: the stop line, or a region that begins before it."""
+    return crossing.at(min(conflict.region.own.start, 0.0))
 
 
 def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
@@ -123,7 +159,7 @@ def _is_certain(foe: Foe) -> bool:
 
 def _is_committed(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> bool:
     """Whether the ego is past the last place where it can wait for a region without standing in others' way."""
-    if snapshot.front <= crossing.passage.start:
+    if snapshot.front <= _entry(conflict, crossing):
         return False
     place = _waiting_place(conflict, crossing)
     return place is None or place < _nearest_stop(snapshot, limits)
@@ -157,7 +193,8 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
         in_vain = standing > FOE_PATIENCE_S and user.waiting_time > 2.0 * FOE_PATIENCE_S
         own = snapshot.time - memory.stopped_since if memory.stopped_at == crossing.connection.id else 0.0
         return user.waiting_time > own and not in_vain
-    return user.waiting_time <= FOE_PATIENCE_S or standing <= FOE_PATIENCE_S
+    patience = min(max(2.0 * FOE_PATIENCE_S - user.waiting_time, LEAST_PATIENCE_S), FOE_PATIENCE_S)
+    return user.waiting_time <= FOE_PATIENCE_S or standing <= patience
 
 
 def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
@@ -178,6 +215,8 @@ def _gives_way(foe: Foe, committed: bool) -> bool:
         return False
     if not conflict.must_yield and not conflict.is_yielded_to:
         return False  # no rule makes it wait, and SUMO's cars then do not look
+    if not committed and min(conflict.region.own.start, conflict.region.other.start) < -BEFORE_THE_LINE_M:
+        return False  # nor do they look at each other before their lines
     all_way = conflict.other.control is Control.ALL_WAY_STOP
     if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
         return False
@@ -215,6 +254,8 @@ def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, l
     """Arc length at which to wait for a region: the waiting place inside, the line, else just before the region."""
     inside, stops = _waiting_place(conflict, crossing), _nearest_stop(snapshot, limits)
     line = crossing.line
+    if conflict.region.own.start < 0.0 and snapshot.front > line:
+        return inside if inside is not None and inside >= stops else None  # on it already: off it
     if crossing.connection.hold_back > 0.0 and snapshot.front <= crossing.passage.start:
         line = min(max(line, stops), crossing.passage.start)  # too late for it: as soon as can be
     places = [line] if inside is None else [inside, line]
@@ -226,10 +267,14 @@ def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, l
 def exit_is_blocked(crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits, conflicts: tuple[Conflict, ...]) -> str:
     """Return who leaves no room behind the last region to be crossed (empty: nobody): the post-conflict region.
 
-    Where others may not be blocked, the ego enters only if it can clear the region without stopping in it.
+    Where others may not be blocked, the ego enters only if it can clear the region without stopping in it. Nobody is in
+    danger: it does not brake harder than planned for it.
     """
     crossed = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING]
     if not crossed or not crossing.connection.keep_clear or snapshot.front > crossing.passage.start:
+        return ""
+    room = crossing.line - HARD_STOP_MARGIN_M - snapshot.front
+    if snapshot.ego.speed**2 > 2.0 * PLANNED_DECELERATION * max(room, 0.0):
         return ""
     behind = crossing.at(max(crossed)) + limits.length + limits.standstill_gap
     acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)

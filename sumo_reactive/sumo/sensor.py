@@ -1,0 +1,156 @@
+"""The eyes of all egos: each road user is read once a step, whoever looks at it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import libsumo
+
+from sumo_reactive.messages.traffic import Body, RoadUser
+from sumo_reactive.parameters import (
+    OBSTACLE_POLYGONS,
+    PERSON_DECELERATION,
+    ROUTE_REFRESH_S,
+    STANDING_SPEED,
+    STEPPING_ON_M,
+)
+from sumo_reactive.sumo.ghosts import is_ghost
+from sumo_reactive.sumo.static_obstacles import StaticObstacles
+from sumo_reactive.sumo.units import heading_of
+
+ROUTE_AHEAD = 16
+"""Edges of another vehicle's route that are kept."""
+
+
+class SeenLane(NamedTuple):
+    """A lane to look at: its edge, spine metres per position metre, and whether it lies inside a junction."""
+
+    lane_id: str
+    edge_id: str
+    scale: float
+    is_internal: bool
+
+
+class SeenCrossing(NamedTuple):
+    """A pedestrian crossing: its edge and lane, the walking areas at its ends, and these ends: x, y, position (m), direction
+    (rad) in which somebody steps on."""
+
+    edge_id: str
+    lane_id: str
+    walks: tuple[str, ...]
+    ends: tuple[tuple[float, float, float, float], ...]
+
+
+class _Known(NamedTuple):
+    """What is kept of a vehicle: its body, and its route as read on edge `edge_id`, to be read anew at time `until` (s)."""
+
+    body: Body
+    until: float
+    edge_id: str
+    route: tuple[str, ...]
+
+
+class Sensor:
+    """Reads SUMO through plain getters, and keeps what does not change from step to step.
+
+    What one ego has looked at in a step is not read again for the next one.
+    """
+
+    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
+        self.static = StaticObstacles(polygon_type)
+        self._known: dict[str, _Known] = {}
+        self._walkers: dict[str, Body] = {}
+        self._now = -math.inf
+        self._seen: dict[str, tuple[RoadUser, ...]] = {}
+        self._letters: dict[str, str] = {}
+
+    def look(self) -> float:
+        """Begin to look at the present step, unless another ego has; return simulation time, s."""
+        now = float(libsumo.simulation.getTime())
+        if now != self._now:
+            self._now = now
+            self._seen.clear()
+            self._letters.clear()
+            self.static.update()
+        return now
+
+    def letters(self, light_id: str) -> str:
+        """Return a light's letters."""
+        found = self._letters.get(light_id)
+        if found is None:
+            found = self._letters[light_id] = libsumo.trafficlight.getRedYellowGreenState(light_id)
+        return found
+
+    def vehicles(self, lane: SeenLane) -> tuple[RoadUser, ...]:
+        """Return who drives or stands on a lane, stand-ins left out."""
+        found = self._seen.get(lane.lane_id)
+        if found is None:
+            found = self._seen[lane.lane_id] = tuple(self._vehicles(*lane))
+        return found
+
+    def _vehicles(self, lane_id: str, edge_id: str, scale: float, internal: bool) -> Iterator[RoadUser]:
+        vehicle, known_ones, now = libsumo.vehicle, self._known, self._now
+        for name in libsumo.lane.getLastStepVehicleIDs(lane_id):
+            known = known_ones.get(name)
+            if known is None and is_ghost(name):
+                continue
+            if known is None or known.edge_id != edge_id or now >= known.until:
+                known = self._know(name, known, edge_id, internal)
+            x, y = vehicle.getPosition(name)
+            heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name)
+            position = vehicle.getLanePosition(name) * scale
+            if speed > STANDING_SPEED:
+                yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route)
+                continue
+            waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
+            yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting, halted)
+
+    def on_crossing(self, crossing: SeenCrossing) -> Iterator[RoadUser]:
+        """Yield who walks over a crossing."""
+        person = libsumo.person
+        for name in libsumo.edge.getLastStepPersonIDs(crossing.edge_id):
+            yield self._walker(name, crossing.lane_id, heading_of(person.getAngle(name)), person.getLanePosition(name))
+
+    def about_to_cross(self, crossing: SeenCrossing) -> Iterator[RoadUser]:
+        """Yield who is about to step on a crossing: at a negative position, or one beyond its length."""
+        for edge_id in crossing.walks:
+            for name in libsumo.edge.getLastStepPersonIDs(edge_id):
+                if libsumo.person.getNextEdge(name) == crossing.edge_id:
+                    yield from self._stepping_on(name, crossing)
+
+    def _stepping_on(self, name: str, crossing: SeenCrossing) -> Iterator[RoadUser]:
+        x, y = libsumo.person.getPosition(name)
+        away, position, heading = min(
+            (math.hypot(x - px, y - py), at, along) for px, py, at, along in crossing.ends
+        )
+        if away < STEPPING_ON_M:
+            yield self._walker(name, crossing.lane_id, heading, position - away if position == 0.0 else position + away)
+
+    def _walker(self, name: str, lane_id: str, heading: float, position: float) -> RoadUser:
+        person = libsumo.person
+        body = self._walkers.get(name)
+        if body is None:
+            length, width = person.getLength(name), person.getWidth(name)
+            body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
+            self._walkers[name] = body
+        x, y = person.getPosition(name)
+        return RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
+
+    def _know(self, name: str, known: _Known | None, edge_id: str, internal: bool) -> _Known:
+        """Read what changes seldom: the body once, the edges still to drive on a new edge and every few seconds."""
+        index = max(libsumo.vehicle.getRouteIndex(name) + (1 if internal else 0), 0)
+        route = tuple(libsumo.vehicle.getRoute(name)[index : index + ROUTE_AHEAD])
+        self._known[name] = _Known(known.body if known else _body(name), self._now + ROUTE_REFRESH_S, edge_id, route)
+        return self._known[name]
+
+
+def _body(name: str) -> Body:
+    vehicle = libsumo.vehicle
+    return Body(
+        vehicle.getLength(name),
+        vehicle.getWidth(name),
+        max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name)),
+        vehicle.getMaxSpeed(name),
+    )

@@ -1,0 +1,61 @@
+"""Kinds of missed turns: the lane that the route needs is never free, so the ego must come to its goal another way."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import Net, Witness, car, edge, link, node, situation, standing, stream
+
+from sumo_reactive.experiment.recorder import Recorder
+from sumo_reactive.experiment.trial import run_trial
+from sumo_reactive.report.explain import story
+from sumo_reactive.report.recording import load
+
+NODES = node("a", 0, 0) + node("b", 180, 0) + node("d", 280, 0) + node("e", 280, 100) + node("n", 180, 100)
+NODES += node("x", 80, 100)
+EDGES = edge("ab", numLanes=2) + edge("bd") + edge("de") + edge("en") + edge("bn") + edge("nx")
+RULES = link("ab bd", "00") + link("ab bn", "10")
+AROUND = Net(NODES, EDGES, RULES)
+
+
+def queue(until: float) -> str:
+    """Return cars that stand on the whole of the left lane until a time, s."""
+    return "".join(standing(f"q{i}", "ab bn nx", "ab_1", 8 + 7.5 * i, until) for i in range(23))
+
+
+def test_a_turn_that_nobody_lets_the_ego_reach_is_made_up_for_by_another_way(tmp_path):
+    scenario = situation(tmp_path, AROUND, car("ego", "ab bn nx", 10, departLane=0), queue(until=500), until=250)
+    witness, recorder = Witness(), Recorder(tmp_path / "record")
+    result = run_trial(scenario, observer=lambda scene: (witness(), recorder.see(scene)), survey=recorder.survey)
+    recorder.write(result)
+    driven = [moment.lane.rpartition("_")[0] for moment in witness.moments if not moment.lane.startswith(":")]
+    assert result.verdict == "arrived without a violation"
+    assert list(dict.fromkeys(driven)) == ["ab", "bd", "de", "en", "nx"]
+    assert witness.touched == {}
+    assert any("the turn to the edge named was missed (bn)" in line for line in story(load(tmp_path / "record")))
+
+
+def test_a_turn_is_not_given_up_while_the_wait_is_short(tmp_path):
+    scenario = situation(tmp_path, AROUND, car("ego", "ab bn nx", 10, departLane=0), queue(until=25), until=200)
+    witness = Witness()
+    result = run_trial(scenario, observer=witness)
+    assert result.verdict == "arrived without a violation"
+    assert any(moment.lane.startswith("bn") for moment in witness.moments)
+
+
+def test_without_another_way_the_ego_waits_on(tmp_path):
+    net = Net(NODES, EDGES.replace(edge("de"), edge("ed")), RULES)
+    scenario = situation(tmp_path, net, car("ego", "ab bn nx", 10, departLane=0), queue(until=90), until=250)
+    witness = Witness()
+    result = run_trial(scenario, observer=witness)
+    assert result.verdict == "arrived without a violation"
+    assert any(moment.lane.startswith("bn") for moment in witness.moments)
+
+
+@pytest.mark.parametrize("headway", [1.2, 1.5])
+def test_a_stream_without_gaps_is_not_waited_for_either(tmp_path, headway):
+    dense = stream("l", "ab bn nx", [headway * i for i in range(160)], departLane=1, type="calm")
+    scenario = situation(tmp_path, AROUND, car("ego", "ab bn nx", 8, departLane=0), dense, until=200)
+    witness = Witness()
+    result = run_trial(scenario, observer=witness)
+    assert result.arrived
+    assert witness.touched == {}
