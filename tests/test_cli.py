@@ -54,6 +54,12 @@ def test_help_loads_nothing_heavy():
         (("explain", FOUR_WAY), "a file, not a folder"),
         (("explain", "."), ".: not the record of a run: it has no summary.json"),
         (("explain", ".", "--at", "x"), "--at"),
+        (("check",), "PATH"),
+        (("check", "nowhere"), "nowhere: no such file or folder"),
+        (("check", "."), ".: no scenario file"),
+        (("check", FOUR_WAY, "--jobs", "0"), "--jobs"),
+        (("check", FOUR_WAY, "--junit", "."), ".: a folder, not a file"),
+        (("check", ROOT / "pyproject.toml"), "pyproject.toml: missing key 'scenario'"),
     ],
 )
 def test_bad_input_gets_one_line_and_exit_code_2_and_leaves_nothing(tmp_path, arguments, place):

@@ -24,47 +24,33 @@ import shlex
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time as clock
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import libsumo
 import numpy as np
-from libsumo import constants as tc
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from sumo_reactive.errors import InputError, ReactiveError, ScenarioError
-from sumo_reactive.experiment.metrics import Jury
-from sumo_reactive.experiment.metrics.moment import JUDGED_REACH_M
 from sumo_reactive.experiment.recorder import Recorder
 from sumo_reactive.experiment.scenario import DEFAULT_SEED, Scenario, load_scenario
+from sumo_reactive.experiment.sumo_driver import run_sumo_driver
 from sumo_reactive.experiment.trial import run_trial
-from sumo_reactive.messages.record import Scene, StepRecord
-from sumo_reactive.messages.traffic import Body, RoadUser
-from sumo_reactive.parameters import STANDING_SPEED, STUCK_S
-from sumo_reactive.sumo.config import read_config
-from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
-from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.units import heading_of
-from sumo_reactive.sumo.vehicle_type import limits_of
-from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.messages.record import Scene
 
 COLUMNS = ("scenario", "config", "ego")
 """What each row of a list must hold."""
 
 WORST = 5
 TIMEOUT_S = 600.0
-TURN_S = 1.0
-"""SUMO turns its cars by a jerk at each corner of a lane's line; their yaw rate is the mean over this time."""
 
 USAGE_ERROR, INTERNAL_ERROR, TOO_LONG, INTERRUPTED, KILLED = 2, 70, 124, 130, 128
 WORKER = "--one-run"
@@ -72,16 +58,6 @@ WORKER = "--one-run"
 
 _ANSWER = "\nanswer: "
 _NOT_IN_A_NAME = re.compile(r'[/\\:*?"<>|\s]')
-_SEEN = (
-    tc.VAR_POSITION, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,
-)  # fmt: skip
-_UNKNOWN_TO_SUMO = StepRecord(
-    time=0.0, x=0.0, y=0.0, heading=0.0, speed=0.0, acceleration=0.0, steering_angle=0.0, lane_id="", s=0.0, d=0.0,
-    command_acceleration=0.0, command_steering_rate=0.0, desired_speed=0.0, stop_s=math.nan, u=0.0, u1=0.0, u2=0.0, u3=0.0,
-    leader="", gap=math.nan, behaviour="", instruction="", pilot=False, emergency=False, light="", control_us=0.0,
-    decisions=(),
-)  # fmt: skip
-"""The record of a vehicle that has neither pilot nor executor."""
 
 
 class Trip(NamedTuple):
@@ -387,59 +363,8 @@ def drive(scenario: Scenario, folder: Path) -> Outcome:
 
 def drive_by_sumo(scenario: Scenario) -> Outcome:
     """Let SUMO drive the same trip, started in the same way, and judge it."""
-    config = read_config(scenario.config)
-    step_length = chosen_step_length(config, scenario.step_length_s)
-    ego = scenario.ego or ""
-    with tempfile.TemporaryDirectory(prefix="benchmark_trips_") as folder:
-        runnable, _ = runnable_config(config, Path(folder))
-        arguments, _ = sumo_arguments(config, runnable, seed=scenario.seed, step_length_s=step_length)
-        with Session(arguments) as session:
-            if not session.wait_for(lambda name: name == ego, None, None, ego):
-                raise ScenarioError(f"{scenario.config}: {session.why_not(ego)}")
-            return _watched(session, ego)
-
-
-def _watched(session: Session, ego: str) -> Outcome:
-    """Judge a vehicle that has just departed, until it arrives or stands (or is gone) too long."""
-    limits = limits_of(ego)
-    jury = Jury(limits.length, limits.width, limits.wheelbase)
-    libsumo.vehicle.subscribeContext(ego, tc.CMD_GET_VEHICLE_VARIABLE, JUDGED_REACH_M, list(_SEEN))
-    departure = moved = session.time
-    arrived, headings = False, deque[tuple[float, float]]()
-    while not arrived and session.time - moved < STUCK_S:
-        session.step()
-        arrived = ego in libsumo.simulation.getArrivedIDList()
-        seen = libsumo.vehicle.getContextSubscriptionResults(ego)
-        if arrived or ego not in seen:  # not seen: SUMO is teleporting it
-            continue
-        users = {name: _user(name, values) for name, values in seen.items()}
-        own = users.pop(ego)
-        jury.see(Scene(_record(own, session.time, headings, limits), tuple(users.values())))
-        moved = session.time if own.speed >= STANDING_SPEED else moved
-    verdict = "arrived" if arrived else f"stood still for {STUCK_S:g} s"
-    return Outcome(arrived, int(not arrived), verdict, session.time - departure, jury.figures())
-
-
-def _record(own: RoadUser, time: float, headings: deque[tuple[float, float]], limits: VehicleLimits) -> StepRecord:
-    """Return the step of a car without wheels to steer: with the steering angle that its mean yaw rate would take."""
-    headings.append((time, own.heading))
-    while time - headings[0][0] > TURN_S:
-        headings.popleft()
-    since, before = headings[0]
-    turn = (own.heading - before + math.pi) % (2.0 * math.pi) - math.pi
-    yaw_rate = turn / (time - since) if time > since else 0.0
-    sine = yaw_rate * limits.wheelbase / own.speed if own.speed >= STANDING_SPEED else 0.0
-    return _UNKNOWN_TO_SUMO._replace(
-        time=time, x=own.x, y=own.y, heading=own.heading, speed=own.speed, lane_id=own.lane_id,
-        steering_angle=math.asin(min(1.0, max(-1.0, sine))),
-    )  # fmt: skip
-
-
-def _user(name: str, seen: Mapping[int, Any]) -> RoadUser:
-    """Return a vehicle as subscribed."""
-    (x, y), angle, speed, lane_id, position, length, width = (seen[variable] for variable in _SEEN)
-    body = Body(length, width, emergency_deceleration=math.nan, max_speed=math.nan)
-    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body)
+    result = run_sumo_driver(scenario)
+    return Outcome(result.arrived, int(not result.arrived), result.verdict, result.duration_s, dict(result.figures))
 
 
 def by_scenario(pairs: Sequence[Pair]) -> dict[str, list[Pair]]:

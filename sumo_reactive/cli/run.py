@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import sys
 from dataclasses import replace
 from enum import StrEnum
@@ -36,7 +38,13 @@ class DelaysName(StrEnum):
 def run(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
-    ego: Annotated[str | None, typer.Option(help="vehicle to drive; else one named 'ego', else the first car")] = None,
+    ego: Annotated[
+        list[str] | None, typer.Option(help="vehicle to drive (repeatable); else one named 'ego', else the first car")
+    ] = None,
+    ego_type: Annotated[list[str] | None, typer.Option(help="drive every vehicle of this type")] = None,
+    ego_probability: Annotated[
+        float | None, typer.Option(min=0.0, max=1.0, help="drive this share of all cars, drawn by id and seed")
+    ] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="seed of the random numbers; else the scenario's, else 42")] = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     profile: Annotated[ProfileName | None, typer.Option(help="the paper's nine commands, or the finer default")] = None,
@@ -47,19 +55,36 @@ def run(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another run in that folder")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print the verdict only")] = False,
 ) -> int:
-    """Let the ego drive to its goal in a SUMO scenario, and judge the trip."""
+    """Let the ego drive to its goal in a SUMO scenario, and judge the trip; or several egos at once."""
+    from sumo_reactive.cli.fleet import asked_for, run_several
     from sumo_reactive.experiment.recorder import Recorder
     from sumo_reactive.experiment.scenario import load_scenario
 
     scenario = load_scenario(config)
-    scenario = _with_options(scenario, ego, seed, step_length, profile, delays, until)
+    _start_with_parameters(scenario)
+    named = ego or []
+    scenario = _with_options(scenario, named[0] if len(named) == 1 else None, seed, step_length, profile, delays, until)
     scenario = replace(scenario, until_end=until_end, sumo_options=tuple(context.obj or ()))
+    several = asked_for(scenario, named, ego_type or [], ego_probability)
+    if several:
+        return run_several(scenario, several, out, overwrite, quiet)
     recorder = Recorder(out, overwrite=overwrite) if out else None
     result = _drive(scenario, recorder, quiet)
     if recorder:
         recorder.write(result)
     _show(result, quiet)
     return result.exit_code
+
+
+def _start_with_parameters(scenario: Scenario) -> None:
+    """Start this program again, in place of this process, if the scenario asks for other parameters than it started with."""
+    from sumo_reactive.experiment.scenario import parameters_missing
+    from sumo_reactive.overrides import VARIABLE, overrides
+
+    if parameters_missing(scenario):
+        os.environ[VARIABLE] = json.dumps({**scenario.parameters, **overrides()})
+        sys.stdout.flush()
+        os.execv(sys.executable, [sys.executable, "-m", "sumo_reactive", *sys.argv[1:]])
 
 
 def _with_options(

@@ -31,7 +31,7 @@ class Recorder:
     def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
         self._folder = folder
         self._steps: list[StepRecord] = []
-        self._graph: RoadGraph | None = None
+        self._graphs: list[RoadGraph] = []
         _require_usable(folder, overwrite)
 
     def see(self, scene: Scene) -> None:
@@ -39,8 +39,8 @@ class Recorder:
         self._steps.append(scene.step)
 
     def survey(self, graph: RoadGraph) -> None:
-        """Keep the world, for the outlines of the conflict regions that the steps name."""
-        self._graph = graph
+        """Keep the world of a route, for the outlines of the conflict regions that the steps name."""
+        self._graphs.append(graph)
 
     def write(self, result: TrialResult) -> None:
         """Write all files under a temporary name beside the folder, then move them into place, the summary last."""
@@ -67,7 +67,7 @@ class Recorder:
     def _regions_named(self) -> Iterator[ConflictRegion]:
         named = {state.region for step in self._steps for state in step.regions}
         named |= {decision.region for step in self._steps for decision in step.decisions}
-        of_connections = self._graph.regions.values() if self._graph else ()
+        of_connections = (regions for graph in self._graphs for regions in graph.regions.values())
         return (region for regions in of_connections for region in regions if region.id in named)
 
     def _move(self, partial: Path) -> None:

@@ -34,6 +34,22 @@ class Violation:
         return f"{self.kind}{f' of {self.user_id}' if self.user_id else ''} at {self.time:.1f} s"
 
 
+@dataclass(frozen=True, slots=True)
+class HardBrake:
+    """User `user_id` behind the ego began to brake hard because of it at `time` (s); `lane_id` is the ego's."""
+
+    time: float
+    user_id: str
+    lane_id: str
+
+    def __str__(self) -> str:
+        return f"hard braking of {self.user_id} at {self.time:.1f} s"
+
+
+Fault = Collision | Violation | HardBrake
+"""What the ego did to somebody, or against a rule, at a time."""
+
+
 @dataclass(frozen=True)
 class TrialResult:
     """One trial. Times are simulation seconds; `end_s` is when the ego arrived or the run ended.
@@ -59,6 +75,7 @@ class TrialResult:
     timing: Mapping[str, float] = field(default_factory=dict)
     collisions: tuple[Collision, ...] = ()
     violations: tuple[Violation, ...] = ()
+    hard_brakes: tuple[HardBrake, ...] = ()
     overrides: tuple[Override, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     ghosts: int = 0

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from sumo_reactive import parameters
 from sumo_reactive.controller import Profile
-from sumo_reactive.errors import ScenarioError
+from sumo_reactive.errors import ParameterError, ScenarioError
+from sumo_reactive.experiment.expectation import Expectation, ExpectKeys
+from sumo_reactive.experiment.toml_file import problem_at, read_toml
+from sumo_reactive.overrides import VARIABLE, overridden, overrides
 from sumo_reactive.parameters import OBSTACLE_POLYGONS
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.sumo.config import read_config
@@ -23,8 +27,9 @@ class Scenario:
     """One run: SUMO configuration `config`, vehicle `ego` (None: to be chosen), as named by the file `source`.
 
     `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
-    run ends at the latest. `until_end` plays the scenario out after the ego's arrival. Polygons of the type
-    `obstacle_polygons` stand on the road as bodies.
+    run ends at the latest; it ends `horizon_s` after the ego's departure at the latest, too. `until_end` plays the scenario
+    out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `parameters` are other
+    values for constants of `parameters.py`.
     """
 
     config: Path
@@ -38,6 +43,24 @@ class Scenario:
     sumo_options: tuple[str, ...] = ()
     obstacle_polygons: str = OBSTACLE_POLYGONS
     source: Path = Path()
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
+    horizon_s: float | None = None
+
+    def end_after(self, departure: float) -> float | None:
+        """Return the simulation time (s) at which the run ends at the latest if the ego departs at `departure`."""
+        ends = [self.until_s] if self.until_s is not None else []
+        return min([*ends, departure + self.horizon_s] if self.horizon_s is not None else ends, default=None)
+
+
+class ScenarioFile(NamedTuple):
+    """What a scenario `.toml` says: the scenario with the first of its `seeds`, and what is expected of each."""
+
+    scenario: Scenario
+    seeds: tuple[int, ...]
+    expectation: Expectation
+
+
+_Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
 
 
 class _Keys(BaseModel):
@@ -47,58 +70,78 @@ class _Keys(BaseModel):
 
     config: str
     ego: str | None = None
-    seed: int = Field(default=DEFAULT_SEED, ge=0, le=2**31 - 1)
+    seed: _Seed = DEFAULT_SEED
+    seeds: list[_Seed] | None = Field(default=None, min_length=1)
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
     until_s: float | None = Field(default=None, gt=0.0)
     profile: Profile = Field(default=Profile.DEFAULT, strict=False)
     delays: Delays = Field(default=Delays.REPLAN, strict=False)
     obstacle_polygons: str = OBSTACLE_POLYGONS
+    parameters: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("seeds")
+    @classmethod
+    def _differ(cls, seeds: list[int]) -> list[int]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError("a seed is named twice")
+        return seeds
+
+    @field_validator("parameters")
+    @classmethod
+    def _exist(cls, asked: dict[str, Any]) -> dict[str, float]:
+        return {name: _parameter(name, value) for name, value in asked.items()}
+
+    @model_validator(mode="after")
+    def _one_kind_of_seed(self) -> _Keys:
+        if {"seed", "seeds"} <= self.model_fields_set:
+            raise problem_at("seeds", "there is 'seed' already")
+        return self
+
+
+def _parameter(name: str, value: object) -> float:
+    try:
+        return overridden(vars(parameters), name, value)
+    except ParameterError as error:
+        raise problem_at(name, str(error)) from error
 
 
 class _File(BaseModel):
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
     scenario: _Keys
+    expect: ExpectKeys = Field(default_factory=ExpectKeys)
 
 
 def load_scenario(path: Path) -> Scenario:
-    """Read a scenario `.toml`, or a SUMO configuration whatever its name; raise ScenarioError naming file and key."""
+    """Read a scenario `.toml`, or a SUMO configuration whatever its name; raise ScenarioError naming file, line and key."""
     if path.suffix == ".toml":
-        return _from_toml(path)
+        return load_scenario_file(path).scenario
     config = read_config(path)
     return Scenario(config=path, seed=_own_seed(config.options.get("seed", "")), source=path)
 
 
-def _from_toml(path: Path) -> Scenario:
-    try:
-        keys = _File.model_validate(tomllib.loads(path.read_text(encoding="utf-8"))).scenario
-    except ValidationError as error:
-        raise ScenarioError(f"{path}: {_first_problem(error)}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}{_line_of(str(error))}: not TOML: {_without_place(str(error))}") from error
-    except FileNotFoundError as error:
-        raise ScenarioError(f"{path}: no such file") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
-    config = path.parent / keys.config
+def load_scenario_file(path: Path) -> ScenarioFile:
+    """Read a scenario `.toml` with its seeds and what it expects; raise ScenarioError naming file, line and key."""
+    file = read_toml(path, _File)
+    keys = dict(file.scenario)
+    seeds = tuple(keys.pop("seeds") or [keys["seed"]])
+    config = path.parent / file.scenario.config
     read_config(config)
-    return Scenario(**(dict(keys) | {"config": config, "source": path}))
+    scenario = Scenario(**(keys | {"config": config, "source": path, "seed": seeds[0]}))
+    return ScenarioFile(scenario, seeds, file.expect.expectation())
 
 
-def _first_problem(error: ValidationError) -> str:
-    problem = error.errors()[0]
-    place = ".".join(str(part) for part in problem["loc"])
-    kind = {"extra_forbidden": "unknown key", "missing": "missing key"}.get(problem["type"])
-    return f"{kind} '{place}'" if kind else f"key '{place}': {problem['msg']}, got {problem['input']!r}"
+def parameters_missing(scenario: Scenario) -> dict[str, float]:
+    """Return the scenario's parameters that this process does not use; what its environment asks for is as good."""
+    asked, present = overrides(), vars(parameters)
+    return {name: value for name, value in scenario.parameters.items() if name not in asked and present[name] != value}
 
 
-def _line_of(message: str) -> str:
-    found = re.search(r"at line (\d+)", message)
-    return f":{found[1]}" if found else ""
-
-
-def _without_place(message: str) -> str:
-    return re.sub(r" \(at .*\)$", "", message)
+def require_parameters(scenario: Scenario) -> None:
+    """Raise ScenarioError unless this process uses the scenario's parameters: they are set when a process starts."""
+    if missing := parameters_missing(scenario):
+        told = ", ".join(f"{name} = {value!r}" for name, value in missing.items())
+        raise ScenarioError(f"{scenario.source}: {VARIABLE} has to name these when the process starts: {told}")
 
 
 def _own_seed(text: str) -> int:

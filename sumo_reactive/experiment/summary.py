@@ -30,6 +30,7 @@ def summary_of(result: TrialResult) -> dict[str, object]:
     plain["overrides"] = [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in result.overrides]
     plain["collisions"] = [_faulty(one) for one in plain["collisions"]]
     plain["violations"] = [_faulty(one) for one in plain["violations"]]
+    plain["hard_brakes"] = [_faulty(one) for one in plain["hard_brakes"]]
     ends = {"duration_s": result.duration_s, "verdict": result.verdict, "exit_code": result.exit_code}
     return {name: _finite(value) for name, value in (ends | plain).items()}
 

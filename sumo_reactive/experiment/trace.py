@@ -20,7 +20,7 @@ Line = dict[str, Any]
 class Entry(NamedTuple):
     """What is in force from `time` (s) on, and why: fields as in `StepRecord`.
 
-    `events` are those that activated the pilot last. `emergency`: one began here.
+    `events` are those that activated the pilot last. `emergency`: one began here, for `hazard`.
     """
 
     time: float
@@ -31,6 +31,7 @@ class Entry(NamedTuple):
     decisions: tuple[Decision, ...]
     regions: tuple[RegionState, ...] = ()
     emergency: bool = False
+    hazard: str = ""
 
 
 def entries(steps: Sequence[StepRecord]) -> Iterator[Entry]:
@@ -45,8 +46,9 @@ def entries(steps: Sequence[StepRecord]) -> Iterator[Entry]:
         if now != last or began:
             behaviour, instruction = Behaviour(step.behaviour), Instruction(step.instruction)
             yield Entry(
-                step.time, events, step.assessment, behaviour, instruction, step.decisions, step.regions, began
-            )
+                step.time, events, step.assessment, behaviour, instruction, step.decisions, step.regions, began,
+                step.hazard if began else "",
+            )  # fmt: skip
         last, in_emergency = now, step.emergency
 
 
@@ -66,7 +68,7 @@ def line_of(entry: Entry) -> Line:
         "decisions": [_decision_line(decision) for decision in entry.decisions],
         "regions": [{"region": r.region, "state": r.occupancy.value, "user": r.user_id} for r in entry.regions],
     }
-    return line | ({"emergency": True} if entry.emergency else {})
+    return line | ({"emergency": True, "hazard": entry.hazard} if entry.emergency else {})
 
 
 def entry_of(line: Mapping[str, Any]) -> Entry:
@@ -80,6 +82,7 @@ def entry_of(line: Mapping[str, Any]) -> Entry:
         decisions=tuple(_decision_of(one) for one in line["decisions"]),
         regions=tuple(RegionState(one["region"], Occupancy(one["state"]), one["user"]) for one in line["regions"]),
         emergency=bool(line.get("emergency", False)),
+        hazard=str(line.get("hazard", "")),
     )
 
 

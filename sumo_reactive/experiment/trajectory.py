@@ -37,12 +37,13 @@ COLUMNS = {
     "instruction": "instruction",
     "pilot": "pilot",
     "emergency": "emergency",
+    "hazard": "hazard",
     "light": "light",
     "control_us": "control_us",
 }
 """Column of each field of `StepRecord`; decisions have a file of their own."""
 
-_FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "behaviour", "instruction", "light")
+_FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
 _TYPES: dict[str, type] = dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
 
 

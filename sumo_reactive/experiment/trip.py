@@ -7,33 +7,51 @@ import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import NamedTuple
 
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
+from sumo_reactive.errors import PlanError
+from sumo_reactive.experiment.rerouting import WayRound, way_round
 from sumo_reactive.messages.completed_plan import Replanning
+from sumo_reactive.messages.decision import Reason
 from sumo_reactive.messages.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import Traffic
-from sumo_reactive.parameters import OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
+from sumo_reactive.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
 from sumo_reactive.pilot.lights import letter_of
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.lane_choice import choose_lanes
 from sumo_reactive.planner.planner import PlanStart, plan
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.ghosts import Ghosts
-from sumo_reactive.sumo.net_reader import NetFile
+from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observer import Observer
+from sumo_reactive.sumo.overlooked import overlooked
 from sumo_reactive.sumo.route_window import RouteWindow
+from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
 from sumo_reactive.sumo.straddling import haunt
 from sumo_reactive.sumo.units import front_of
 from sumo_reactive.world.road_graph import RoadGraph
 
 
+class Order(NamedTuple):
+    """What a control step came to: the step, the letter of a light whose line it crosses, its wall-clock time (µs)."""
+
+    step: Step
+    light: str
+    control_us: float
+
+
 class Trip:
-    """The ego from take-over to arrival; `scenes` yields one scene after each simulation step."""
+    """The ego from take-over to arrival.
+
+    Each step is a `command` before the simulation step and a `scene` after it; `scenes` does both for an ego that drives
+    alone. Several egos of one session share their `sensor`.
+    """
 
     def __init__(
-        self, session: Session, ego_id: str, net: NetFile, profile: Profile, delays: Delays, obstacles: str
+        self, session: Session, ego_id: str, net: WorldSource, profile: Profile, delays: Delays, sensor: Sensor
     ) -> None:
         self.ego = Ego(ego_id)
         self.arrived = False
@@ -44,13 +62,17 @@ class Trip:
         self.stuck = ""
         self._moved = session.time
         self._session = session
+        self._net = net
         self._route = self.ego.route
         graph = net.build(self._route.edges)
+        self.graphs = [graph]
         self._choice = choose_lanes(graph, self._route, self.ego.vehicle_class)
         self._controller = Controller(graph, self.ego.limits, profile, delays, self.ego.vehicle_class)
-        self._observer = Observer(ego_id, obstacles)
+        self._observer = Observer(ego_id, sensor)
         self.ghosts = Ghosts(ego_id)
+        self._overlooked = overlooked(graph, self._route.edges)
         self._window = RouteWindow(ego_id, self._route.edges, net.end_of)
+        self._way_round: tuple[tuple[int, str], WayRound | None] = ((-1, ""), None)
         state = self.ego.take_over(session.step_length)
         lane_id = self.ego.lane(state)
         start = PlanStart(
@@ -58,35 +80,63 @@ class Trip:
             lane_id, self.ego.lane_position(graph, lane_id), 0, self.ego.speed_factor,
         )  # fmt: skip
         self._drive = Drive(state, self._plan(start), 0.0)
+        self._traffic = self._observe()
+        self._controller.step(self._traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the ego has arrived or stands for ever."""
+        return self.arrived or bool(self.stuck)
 
     def scenes(self) -> Iterator[Scene]:
         """Drive step by step until the ego arrives or stands for ever."""
-        traffic = self._observe()
-        self._controller.step(traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
-        with _world_kept():
-            while not self.arrived and not self.stuck:
-                scene, traffic = self._advance(traffic)
-                yield scene
-                if self._has_arrived():
-                    self._arrive()
+        with world_kept():
+            while not self.has_ended:
+                order = self.command()
+                self._session.step()
+                yield self.scene(order)
+                if self.arrive():
+                    self._session.step()
 
-    def _advance(self, traffic: Traffic) -> tuple[Scene, Traffic]:
-        """Control, place, simulate, verify, plan anew where needed, observe: one simulation step."""
+    def command(self) -> Order:
+        """Control, and place the ego where the next simulation step shall end."""
         began = clock.perf_counter()
-        step = self._controller.step(traffic, self._drive, self.step_length)
+        step = self._controller.step(self._traffic, self._drive, self.step_length)
         control_us = 1e6 * (clock.perf_counter() - began)
         light = self._light_crossed(step)
         self._place(step)
-        self._session.step()
+        return Order(step, light, control_us)
+
+    def scene(self, order: Order) -> Scene:
+        """Verify what the simulation step has made of an order, plan anew where needed, observe."""
+        step = order.step
         lane_id = self.ego.lane(step.drive.ego)
         self._count(step)
         self._drive = self._planned(step)
-        traffic = self._observe()
-        return Scene(self._record(step, lane_id, light, control_us), traffic.users), traffic
+        self._traffic = self._observe()
+        return Scene(self._record(step, lane_id, order.light, order.control_us), self._traffic.users)
+
+    def release(self) -> None:
+        """Give the ego back to SUMO's own driver."""
+        self.ghosts.hide()
+        self.ego.release()
+
+    def arrive(self) -> bool:
+        """Take the ego off the road if it has reached its goal; return whether it has.
+
+        As with SUMO's own cars, the step in which it would pass the goal is the one in which it has arrived.
+        """
+        goal = self._drive.plan.goal
+        way = max(self._drive.ego.speed, 0.0) * self.step_length
+        self.arrived = goal is not None and self._front(self._drive) + way >= goal
+        if self.arrived:
+            self.ghosts.hide()
+            self.ego.arrive()
+        return self.arrived
 
     @property
     def graph(self) -> RoadGraph:
-        """The world around the route."""
+        """The world around the route; `graphs` are those of all routes driven, this one last."""
         return self._controller.graph
 
     def _count(self, step: Step) -> None:
@@ -113,7 +163,8 @@ class Trip:
         here = _segment(drive.plan, self._front(drive))
         self._window.follow(here.route_index)
         lane = graph.lanes[here.lane_id] if drive.plan.aside is None else None
-        self.ego.place(drive.ego, step.completed.intent, self.step_length, lane)
+        self.ego.place(drive.ego, step.completed.intent, self.step_length, lane, here.lane_id in self._overlooked)
+        self.ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
         edges = self._route.edges[here.route_index :]
         shown = haunt(graph, drive.plan, here, drive.ego, drive.s, self.ego.limits, edges)
         if shown is None:
@@ -124,6 +175,8 @@ class Trip:
     def _planned(self, step: Step) -> Drive:
         """Return the drive, on a new plan where the pilot asks for one, C runs out or the ego has left it."""
         drive, plan_now, asked = step.drive, step.drive.plan, step.completed.request
+        if asked.what is Replanning.ROUTE and (way := self._other_way(drive)) and self._is_worth(way, drive):
+            return self._rerouted(drive, way)
         wanted = asked.what is Replanning.CURVE
         runs_out = plan_now.goal is None and plan_now.curve.length - drive.s < PLAN_RESERVE_M
         if not wanted and not runs_out and abs(step.snapshot.d) < OFF_CURVE_M:
@@ -132,7 +185,40 @@ class Trip:
         if aside is not None:
             aside = replace(aside, back=aside.back - drive.s, until=aside.until - drive.s)
         start = self._start(drive, self._front(drive))
-        return replanned(drive, self._plan(start, asked.change_lane, aside), self._session.time)
+        try:
+            return replanned(drive, self._plan(start, asked.change_lane, aside), self._session.time)
+        except PlanError:  # carried past the last place to change lanes
+            found = self._other_way(drive)
+            if found is None:
+                raise
+            return self._rerouted(drive, found)
+
+    def _other_way(self, drive: Drive) -> WayRound | None:
+        """Return the other way from the ego's lane to its goal, looked for once on each lane."""
+        here = _segment(drive.plan, self._front(drive))
+        place = here.route_index, here.lane_id
+        if self._way_round[0] != place:
+            found = way_round(self.ego.id, self._net, self._choice, self._route, here, drive.memory.served)
+            self._way_round = place, found
+        return self._way_round[1]
+
+    def _is_worth(self, way: WayRound, drive: Drive) -> bool:
+        """Whether the ego has waited for its turn as long as the other way takes longer."""
+        since = drive.memory.waiting_since
+        return since is not None and self._session.time - since >= min(way.longer, DETOUR_PATIENCE_S)
+
+    def _rerouted(self, drive: Drive, way: WayRound) -> Drive:
+        """Return the drive on the other way, with SUMO, the world and the plan set to it."""
+        start = replace(self._start(drive, self._front(drive)), route_index=0)
+        self.ego.reroute(way.route)
+        self._route, self._choice, self._way_round = way.route, way.choice, ((-1, ""), None)
+        self._controller = replace(self._controller, graph=way.graph)
+        self.graphs.append(way.graph)
+        self._overlooked = overlooked(way.graph, way.route.edges)
+        self._window = RouteWindow(self.ego.id, way.route.edges, self._net.end_of, number=len(self.graphs))
+        memory = drive.memory._replace(waiting_since=None, escapes=0, progress_time=self._session.time)
+        new_plan = replace(self._plan(start), missed=way.missed)
+        return replanned(replace(drive, memory=memory), new_plan, self._session.time)
 
     def _start(self, drive: Drive, front: float) -> PlanStart:
         here = _segment(drive.plan, front)
@@ -149,16 +235,6 @@ class Trip:
             graph, self._route, ego.vehicle_class, ego.limits, start,
             change_now=change_now, aside=aside, choice=self._choice,
         )  # fmt: skip
-
-    def _has_arrived(self) -> bool:
-        goal = self._drive.plan.goal
-        return goal is not None and self._front(self._drive) >= goal
-
-    def _arrive(self) -> None:
-        self.ghosts.hide()
-        self.ego.arrive()
-        self.arrived = True
-        self._session.step()
 
     def _record(self, step: Step, lane_id: str, light: str, control_us: float) -> StepRecord:
         drive, execution, completed = step.drive, step.execution, step.completed
@@ -189,6 +265,7 @@ class Trip:
             instruction=completed.instruction.value,
             pilot=bool(completed.events),
             emergency=execution.emergency,
+            hazard=execution.hazard,
             light=light,
             control_us=control_us,
             decisions=completed.decisions,
@@ -207,7 +284,7 @@ class Trip:
 
 
 @contextmanager
-def _world_kept() -> Iterator[None]:
+def world_kept() -> Iterator[None]:
     """Keep what has been built out of garbage collection, which would cost tens of milliseconds now and then."""
     gc.collect()
     gc.freeze()

@@ -23,6 +23,7 @@ from sumo_reactive.report.sentences import (
     INSTRUCTIONS,
     MEANWHILE,
     MEETINGS,
+    NO_COMMAND,
     OUTCOMES,
     REASONS,
     SAME_REGION,
@@ -71,7 +72,7 @@ def footer(figures: Mapping[str, Any]) -> str:
 def paragraph(entry: Entry, before: Entry | None = None) -> str:
     """Return event, assessment, behaviour and instruction, and the rule and the road user behind them, as sentences."""
     ending = ENDINGS.get((before.behaviour, entry.behaviour), "") if before else ""
-    emergency = EMERGENCY if entry.emergency else ""
+    emergency = (EMERGENCY.format(entry.hazard) if entry.hazard else NO_COMMAND) if entry.emergency else ""
     parts = (*events_told(entry.events), assessment_told(entry.assessment), emergency, ending, _behaviour_told(entry))
     return " ".join(f"{part[0].upper()}{part[1:]}." for part in parts if part)
 

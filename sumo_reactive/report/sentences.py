@@ -10,6 +10,7 @@ from sumo_reactive.messages.event import EventKind
 
 EVENTS: dict[EventKind, str] = {
     EventKind.NEW_PLAN: "a new nominal plan begins",
+    EventKind.NEW_ROUTE: "the route is planned anew, since the turn to the edge named was missed",
     EventKind.NEW_OBSTACLE: "a new obstacle is ahead",
     EventKind.INTERSECTION: "the ego reaches the next stage of an intersection",
     EventKind.LANE_CHANGE: "a lane change comes into reach",
@@ -24,6 +25,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.TIME_REACHED: "the time that the instruction named is reached",
     EventKind.FORECAST_EXPIRED: "the forecast of the others is too old to rely on",
     EventKind.NO_PROGRESS: "the ego does not get on, though nobody has the right to block it",
+    EventKind.PROGRESS: "the ego gets on again",
 }
 """What happened; the causes follow in brackets."""
 
@@ -175,7 +177,8 @@ FIGURES: dict[str, str] = {
 }
 """A decision's figures one by one; one without wording is shown by its name."""
 
-EMERGENCY = "No command is admissible: the ego brakes as hard as it can along C"
+EMERGENCY = "An emergency: milder braking than this would not stop the ego clear of {}"
+NO_COMMAND = "No command is admissible: the ego brakes as hard as it can along C"
 
 SOMEBODY = "somebody"
 """Stands for a cause that no record names."""

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.trace import Entry, line_of
+from sumo_reactive.experiment.trace import Entry, entry_of, line_of
 from sumo_reactive.messages.assessment import NOT_ASSESSED, Assessment, Encounter, Outcome
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.messages.event import Event, EventKind
@@ -122,6 +122,12 @@ def test_a_region_is_named_once_and_a_road_user_once():
 
 def test_an_emergency_is_told():
     assert "No command is admissible: the ego brakes as hard as it can along C. " in paragraph(entry(emergency=True))
+
+
+def test_what_an_emergency_is_for_is_told():
+    text = paragraph(entry(emergency=True, hazard="veh_12"))
+    assert "An emergency: milder braking than this would not stop the ego clear of veh_12. " in text
+    assert entry_of(line_of(entry(emergency=True, hazard="veh_12"))).hazard == "veh_12"
 
 
 def test_the_footer_tells_what_activated_the_pilot_most_often_first():

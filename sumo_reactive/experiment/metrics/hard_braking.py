@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from sumo_reactive.experiment.metrics.moment import Figures, Moment
+from sumo_reactive.experiment.result import HardBrake
 from sumo_reactive.messages.traffic import RoadUser
 
 HARD_BRAKING = -4.6
@@ -23,7 +24,7 @@ class HardBraking:
     """
 
     def __init__(self) -> None:
-        self._count = 0
+        self.hard_brakes: list[HardBrake] = []
         self._braking: set[str] = set()
 
     def see(self, moment: Moment) -> None:
@@ -33,12 +34,16 @@ class HardBraking:
         braking = {name for name, acceleration in moment.slowing.items() if acceleration < HARD_BRAKING}
         for user in moment.users:
             if user.id in braking and user.id not in self._braking and not user.body.is_person:
-                self._count += _follows_ego(user, moment)
+                self._judge(user, moment)
         self._braking = braking
 
     def figures(self) -> Figures:
         """Return the number of vehicles that the ego made brake hard."""
-        return {"hard_braking_caused": self._count}
+        return {"hard_braking_caused": len(self.hard_brakes)}
+
+    def _judge(self, user: RoadUser, moment: Moment) -> None:
+        if _follows_ego(user, moment):
+            self.hard_brakes.append(HardBrake(moment.step.time, user.id, moment.step.lane_id))
 
 
 def _follows_ego(user: RoadUser, moment: Moment) -> bool:

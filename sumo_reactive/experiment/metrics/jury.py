@@ -14,7 +14,7 @@ from sumo_reactive.experiment.metrics.red_lights import RedLights
 from sumo_reactive.experiment.metrics.right_of_way import RightOfWay
 from sumo_reactive.experiment.metrics.time_to_collision import TimeToCollision
 from sumo_reactive.experiment.metrics.timing import Timing
-from sumo_reactive.experiment.result import Collision, Violation
+from sumo_reactive.experiment.result import Collision, HardBrake, Violation
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -30,17 +30,21 @@ class Jury:
     def __init__(self, length_m: float, width_m: float, wheelbase_m: float, graph: RoadGraph | None = None) -> None:
         self._watch = Watch(length_m, width_m)
         self._collisions, self._red_lights, self._right_of_way = Collisions(), RedLights(), RightOfWay(graph)
-        self._timing = Timing()
+        self._hard_braking, self._timing = HardBraking(), Timing()
         self._judges: tuple[_Judge, ...] = (
             self._collisions,
             self._red_lights,
             self._right_of_way,
             TimeToCollision(),
             PostEncroachment(length_m, width_m),
-            HardBraking(),
+            self._hard_braking,
             Comfort(wheelbase_m),
             PilotActivity(),
         )
+
+    def enter(self, graph: RoadGraph) -> None:
+        """Judge in the world around a new route from now on."""
+        self._right_of_way.enter(graph)
 
     def see(self, scene: Scene) -> None:
         """Judge one step."""
@@ -61,6 +65,11 @@ class Jury:
     def collisions(self) -> tuple[Collision, ...]:
         """Every collision, in order of time."""
         return tuple(self._collisions.collisions)
+
+    @property
+    def hard_brakes(self) -> tuple[HardBrake, ...]:
+        """Every hard braking caused, in order of time."""
+        return tuple(self._hard_braking.hard_brakes)
 
     @property
     def violations(self) -> tuple[Violation, ...]:

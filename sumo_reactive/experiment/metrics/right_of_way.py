@@ -44,6 +44,10 @@ class RightOfWay:
         self._own: Connection | None = None
         self._obstructed: set[str] = set()
 
+    def enter(self, graph: RoadGraph) -> None:
+        """Judge in another world from now on."""
+        self._graph = graph
+
     def see(self, moment: Moment) -> None:
         """Note who is newly obstructed."""
         if self._graph is None:

@@ -1,0 +1,74 @@
+"""`sumo-reactive check`: scenario files as tests, for CI."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sumo_reactive.cli.app import app, note_compiling
+
+if TYPE_CHECKING:
+    from sumo_reactive.experiment.check import Case, Verdict
+
+DEFAULT_LIMIT_S = 600.0
+
+
+@app.command()
+def check(
+    paths: Annotated[list[Path], typer.Argument(metavar="PATH...", help="scenario .toml files, or folders that hold some")],
+    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="write the verdicts as JUnit XML")] = None,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="processes to run at the same time")] = 1,
+    time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = DEFAULT_LIMIT_S,
+) -> int:
+    """Run every scenario with every seed it names, and tell what of its expectations was not met."""
+    from sumo_reactive.experiment.check import cases_of, run_cases
+    from sumo_reactive.experiment.discovery import scenario_files
+
+    cases = [case for file in scenario_files(paths) for case in cases_of(file)]
+    if junit is not None:
+        from sumo_reactive.experiment.junit import require_writable
+
+        require_writable(junit)
+    note_compiling()
+    verdicts = []
+    for verdict in run_cases(cases, jobs, time_limit):
+        typer.echo(_line(verdict, _width(cases)))
+        verdicts.append(verdict)
+    return _conclude(verdicts, junit)
+
+
+def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
+    """Tell about the failed cases, write the file asked for, and return the exit code."""
+    told = [(verdict, _told(verdict)) for verdict in verdicts]
+    for verdict, text in told:
+        if text:
+            typer.echo("\n" + "\n".join((verdict.case.name, *(f"  {line}" for line in text.splitlines()))))
+    if junit is not None:
+        from sumo_reactive.experiment.junit import write_junit
+
+        write_junit(junit, told)
+    met = sum(verdict.is_met for verdict in verdicts)
+    typer.echo(f"\n{met} of {len(verdicts)} met")
+    return 0 if met == len(verdicts) else 1
+
+
+def _told(verdict: Verdict) -> str:
+    if verdict.is_met:
+        return ""
+    from sumo_reactive.report.faults import failure_told
+
+    return "\n".join(failure_told(verdict))
+
+
+def _line(verdict: Verdict, width: int) -> str:
+    result = verdict.outcome.result
+    took = f"{verdict.outcome.wall_s:.1f} s"
+    if verdict.is_met and result is not None:
+        return f"met     {verdict.case.name:<{width}}  {result.duration_s:.1f} s driven in {took}"
+    return f"FAILED  {verdict.case.name:<{width}}  {'; '.join(verdict.reasons)}"
+
+
+def _width(cases: list[Case]) -> int:
+    return max(len(case.name) for case in cases)

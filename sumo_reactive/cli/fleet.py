@@ -1,0 +1,73 @@
+"""`sumo-reactive run` with several egos at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from sumo_reactive.cli.app import note_compiling, progress_shown
+
+if TYPE_CHECKING:
+    from sumo_reactive.experiment.egos import EgoRule
+    from sumo_reactive.experiment.fleet import FleetResult
+    from sumo_reactive.experiment.scenario import Scenario
+
+SHOWN_FAULTS = 20
+"""Egos with a fault that are listed at most; all are in the record."""
+
+
+def asked_for(
+    scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None
+) -> EgoRule | None:
+    """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
+    from sumo_reactive.experiment.egos import EgoRule
+    from sumo_reactive.sumo.config import read_config
+    from sumo_reactive.sumo.devices import Equipment
+
+    if len(ids) > 1 or types or probability is not None:
+        return EgoRule(tuple(ids), tuple(types), probability or 0.0)
+    if not ids and scenario.ego is None and Equipment(read_config(scenario.config)).is_named:
+        return EgoRule()
+    return None
+
+
+def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: bool, quiet: bool) -> int:
+    """Drive every vehicle that the rule chooses; return the exit code."""
+    from sumo_reactive.experiment.fleet import run_fleet
+    from sumo_reactive.experiment.fleet_record import FleetRecorder
+
+    recorder = FleetRecorder(out, overwrite=overwrite) if out else None
+    note_compiling()
+    with progress_shown(quiet) as progress:
+        if recorder is None:
+            fleet = run_fleet(scenario, rule, progress=progress)
+        else:
+            fleet = run_fleet(scenario, rule, observer=recorder.see, progress=progress, survey=recorder.survey)
+    if recorder:
+        recorder.write(fleet)
+    _show(fleet, quiet)
+    return fleet.exit_code
+
+
+def _show(fleet: FleetResult, quiet: bool) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    arrived = sum(result.arrived for result in fleet.results)
+    typer.echo(
+        f"{len(fleet.results)} egos until {fleet.until:.1f} s: {arrived} arrived, {len(fleet.on_their_way)} on their way, "
+        f"{len(fleet.faulty)} with a fault"
+    )
+    for name, reason in fleet.refused:
+        typer.echo(f"not taken over: {name}: {reason}")
+    if quiet:
+        return
+    table = Table("ego", "departed s", "duration s", "time loss s", "verdict", box=None)
+    for result in (fleet.faulty or fleet.results)[:SHOWN_FAULTS]:
+        row = f"{result.departure_s:.1f}", f"{result.duration_s:.1f}", f"{result.time_loss_s:.1f}", result.verdict
+        table.add_row(result.ego, *row)
+    Console(highlight=False).print(table)
+    typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")

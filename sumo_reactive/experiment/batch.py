@@ -1,0 +1,61 @@
+"""A batch: the trials that the store does not hold yet are run, and each is stored as soon as it is there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.experiment.cluster import cluster
+from sumo_reactive.experiment.experiment_file import Experiment
+from sumo_reactive.experiment.runner import Runner
+from sumo_reactive.experiment.scenario import Scenario
+from sumo_reactive.experiment.scouting import SCOUT, Departure
+from sumo_reactive.experiment.store import Store
+from sumo_reactive.experiment.task import Ending
+from sumo_reactive.experiment.trial_key import key_of_scouting, release
+from sumo_reactive.experiment.trials import Trial
+from sumo_reactive.experiment.worker import Order, Report
+
+
+class Watcher(Protocol):
+    """Who looks on: how many trials are at work at once, and each that has ended."""
+
+    def started(self, workers: int) -> None:
+        """Workers are there."""
+
+    def ended(self, trial: Trial, report: Report) -> None:
+        """A trial has ended, and is stored."""
+
+
+def scouted(experiment: Experiment, scenario: Scenario, store: Store | None) -> list[Departure]:
+    """Return the trips of a scenario: from the store, or from one run of SUMO alone, which the store keeps."""
+    key = key_of_scouting(scenario)
+    known = store.departures(key) if store else []
+    if known:
+        return known
+    with Runner() as runner:
+        ending, found, _ = runner.call(SCOUT, scenario, experiment.keys.wall_limit_s, {})
+    if ending is not Ending.DONE:
+        raise ScenarioError(f"{scenario.source}: no trips to draw from: {ending.value}: {found}")
+    trips: list[Departure] = found
+    if store:
+        store.put_departures(key, trips)
+    return trips
+
+
+def run_batch(
+    experiment: Experiment, trials: Sequence[Trial], store: Store, workers: int, scheduler: str | None, watcher: Watcher
+) -> None:
+    """Run the trials and store them one by one; raise ClusterError or StoreError if that cannot go on."""
+    if not trials:
+        return
+    keys, sources = experiment.keys, release()["sources"]
+    with cluster(min(workers, len(trials)), scheduler) as found:
+        watcher.started(found.workers)
+        orders = [Order(trial.task, keys.wall_limit_s, keys.retries, found.batch, sources) for trial in trials]
+        for number, report in found.reports(orders):
+            trial, outcome = trials[number], report.outcome
+            store.put(trial, replace(outcome, task=trial.task), report.attempts)
+            watcher.ended(trial, report)

@@ -1,0 +1,159 @@
+"""What a run does to everybody but the ego, from SUMO's own outputs.
+
+Two runs of a trip are the same until the ego departs and end at the same simulation time, so that their sums over all others
+differ by what the ego's driver has caused between the two. Others are the vehicles that were on the road at the ego's
+departure or were due later; one that is still under way at the end counts with what it has done until then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from sumo_reactive.errors import SimulationError
+from sumo_reactive.sumo.config import SumoConfig
+from sumo_reactive.sumo.ghosts import is_ghost
+from sumo_reactive.sumo.outputs import AS_READ, TripInfo, read_contacts, read_teleports, read_trips, silenced, trip_of
+
+MG_PER_KG, MG_PER_G, M_PER_KM = 1e6, 1e3, 1e3
+_UNFINISHED, _UNDEPARTED = "tripinfo-output.write-unfinished", "tripinfo-output.write-undeparted"
+
+
+class Arrival(NamedTuple):
+    """How long another vehicle took to its goal, and how long it stood of that, s."""
+
+    duration: float
+    waiting: float
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The files that SUMO writes into `folder`."""
+
+    folder: Path
+
+    @property
+    def trips(self) -> Path:
+        """Every vehicle's trip, with its emissions."""
+        return self.folder / "trips.xml"
+
+    @property
+    def totals(self) -> Path:
+        """SUMO's own counts over the whole run."""
+        return self.folder / "totals.xml"
+
+    @property
+    def contacts(self) -> Path:
+        """Every collision."""
+        return self.folder / "contacts.xml"
+
+    def options(self, config: SumoConfig) -> dict[str, str]:
+        """Return the options that make SUMO write these files, and none that the scenario names.
+
+        Emission devices are dealt out without a random number, so that every other device goes to whom it went before.
+        """
+        return silenced(config.options) | AS_READ | {
+            "tripinfo-output": str(self.trips), _UNFINISHED: "true", _UNDEPARTED: "true",
+            "statistic-output": str(self.totals), "collision-output": str(self.contacts),
+            "device.emissions.probability": "1", "device.emissions.deterministic": "true",
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class NetworkEffects:
+    """Sums over the others of one run by name, units in the names, and who of them has arrived."""
+
+    figures: Mapping[str, float]
+    arrivals: Mapping[str, Arrival]
+
+
+@dataclass
+class _Sums:
+    vehicles: int = 0
+    time_loss: float = 0.0
+    insertion_delay: float = 0.0
+    stops: int = 0
+    length_m: float = 0.0
+    carbon_dioxide_mg: float = 0.0
+    fuel_mg: float = 0.0
+    nitrogen_oxides_mg: float = 0.0
+
+    def add(self, trip: TripInfo) -> None:
+        self.insertion_delay += trip.departure_delay
+        if trip.departure is None:
+            return
+        self.vehicles += 1
+        self.time_loss += trip.time_loss
+        self.stops += trip.stops
+        self.length_m += trip.length_m
+        self.carbon_dioxide_mg += trip.carbon_dioxide_mg
+        self.fuel_mg += trip.fuel_mg
+        self.nitrogen_oxides_mg += trip.nitrogen_oxides_mg
+
+
+def effects_of(outputs: Outputs, ego_id: str, ego_teleports: int) -> NetworkEffects:
+    """Read what SUMO has written about a run; `ego_teleports` are left out of SUMO's count of teleports."""
+    ego = trip_of(outputs.trips, ego_id)
+    if ego is None or ego.departure is None:
+        raise SimulationError(f"{outputs.trips}: SUMO tells no trip of ego '{ego_id}'")
+    sums, arrivals = _Sums(), dict[str, Arrival]()
+    for trip in _others(outputs.trips, ego_id, ego.departure):
+        sums.add(trip)
+        if trip.arrival is not None and not trip.vaporized:
+            arrivals[trip.vehicle_id] = Arrival(trip.duration, trip.waiting)
+    contacts = _contacts(outputs.contacts, ego_id, ego.departure)
+    teleports = read_teleports(outputs.totals) - ego_teleports
+    return NetworkEffects(_figures(sums, len(arrivals), contacts, teleports), arrivals)
+
+
+def _others(path: Path, ego_id: str, departure: float) -> Iterator[TripInfo]:
+    """Yield the trips of all others that had not ended when the ego departed."""
+    for trip in read_trips(path):
+        if not _is_own(trip.vehicle_id, ego_id) and (trip.arrival is None or trip.arrival >= departure):
+            yield trip
+
+
+def _contacts(path: Path, ego_id: str, departure: float) -> int:
+    """Count the collisions between others since the ego's departure."""
+    later = (contact for contact in read_contacts(path) if contact.time >= departure)
+    return sum(not any(_is_own(name, ego_id) for name in (one.collider, one.victim)) for one in later)
+
+
+def _is_own(vehicle_id: str, ego_id: str) -> bool:
+    return vehicle_id == ego_id or is_ghost(vehicle_id)
+
+
+def _figures(sums: _Sums, arrived: int, contacts: int, teleports: int) -> dict[str, float]:
+    way_km = sums.length_m / M_PER_KM
+    figures = {
+        "others_vehicles": sums.vehicles,
+        "others_arrived": arrived,
+        "others_time_loss_s": round(sums.time_loss, 2),
+        "others_insertion_delay_s": round(sums.insertion_delay, 2),
+        "others_stops": sums.stops,
+        "others_distance_km": round(way_km, 4),
+        "others_co2_kg": round(sums.carbon_dioxide_mg / MG_PER_KG, 4),
+        "others_fuel_kg": round(sums.fuel_mg / MG_PER_KG, 4),
+        "others_nox_g": round(sums.nitrogen_oxides_mg / MG_PER_G, 4),
+        "others_collisions": contacts,
+        "others_teleports": teleports,
+    }
+    if way_km > 0.0:
+        figures["others_co2_g_per_km"] = round(sums.carbon_dioxide_mg / MG_PER_G / way_km, 3)
+    return figures
+
+
+def means_over_both(one: NetworkEffects, other: NetworkEffects) -> tuple[dict[str, float], dict[str, float]]:
+    """Return mean duration and standing time (s) of the others that arrived in both runs, in each of them."""
+    both = sorted(one.arrivals.keys() & other.arrivals.keys())
+    return _means(one, both), _means(other, both)
+
+
+def _means(effects: NetworkEffects, names: list[str]) -> dict[str, float]:
+    if not names:
+        return {}
+    duration = sum(effects.arrivals[name].duration for name in names) / len(names)
+    waiting = sum(effects.arrivals[name].waiting for name in names) / len(names)
+    return {"others_mean_duration_s": round(duration, 4), "others_mean_waiting_s": round(waiting, 4)}

@@ -1,0 +1,117 @@
+"""TOML files that follow a schema: every problem becomes one line that names file, line and key."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import PydanticCustomError
+
+from sumo_reactive.errors import ScenarioError
+
+Model = TypeVar("Model", bound=BaseModel)
+KeyPath = Sequence[str | int]
+
+MOST_NAMES = 3
+"""So many of the nearest names are shown for one that is unknown."""
+
+
+def read_toml(path: Path, schema: type[Model]) -> Model:
+    """Return the contents of `path` as `schema` describes them; raise ScenarioError naming file, line and key."""
+    text = text_of(path)
+    try:
+        return schema.model_validate(tomllib.loads(text))
+    except ValidationError as error:
+        problem = error.errors()[0]
+        keys = (*problem["loc"], *problem.get("ctx", {}).get("keys", ()))
+        line = line_of(text, keys)
+        raise ScenarioError(f"{path}{f':{line}' if line else ''}: {_told(problem, keys, schema)}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path}{_line_in(str(error))}: not TOML: {_without_place(str(error))}") from error
+
+
+def text_of(path: Path) -> str:
+    """Return what a file holds; raise ScenarioError if it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise ScenarioError(f"{path}: no such file") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+
+
+def line_of(text: str, keys: KeyPath) -> int | None:
+    """Return the line at which the statement begins that first gives the value at `keys`, or the nearest table above it.
+
+    `text` is TOML. A prefix that ends within a statement is no TOML, so each prefix that is ends a statement.
+    """
+    lines = text.splitlines()
+    for depth in range(len(keys), 0, -1):
+        begin = 1
+        for end in range(1, len(lines) + 1):
+            try:
+                table = tomllib.loads("\n".join(lines[:end]) + "\n")
+            except tomllib.TOMLDecodeError:
+                continue
+            if _holds(table, keys[:depth]):
+                return begin
+            begin = end + 1
+    return None
+
+
+def problem_at(key: str | int, message: str) -> PydanticCustomError:
+    """Return what a validator of a table raises for one key of it."""
+    return PydanticCustomError("key", "{message}", {"message": message, "keys": (key,)})
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return "; near it: a, b" for a name that is unknown, or nothing if none is near."""
+    found = difflib.get_close_matches(name.lower(), [one.lower() for one in names], n=MOST_NAMES, cutoff=0.5)
+    spelt = {one.lower(): one for one in names}
+    return f"; near it: {', '.join(spelt[one] for one in found)}" if found else ""
+
+
+def _holds(table: Any, keys: KeyPath) -> bool:
+    for key in keys:
+        try:
+            table = table[key]
+        except (KeyError, IndexError, TypeError):
+            return False
+    return True
+
+
+def _told(problem: Any, keys: KeyPath, schema: type[BaseModel]) -> str:
+    """Return a problem that pydantic found in words: what is wrong with which key."""
+    place = ".".join(str(part) for part in keys)
+    if problem["type"] == "missing":
+        return f"missing key '{place}'"
+    if problem["type"] == "extra_forbidden":
+        return f"unknown key '{place}'{nearest(str(keys[-1]), _fields(schema, keys[:-1]))}"
+    message = str(problem["msg"]).removeprefix("Value error, ")
+    shown = problem["input"]
+    return f"key '{place}': {message}" + ("" if isinstance(shown, dict | BaseModel) else f", got {shown!r}")
+
+
+def _fields(schema: type[BaseModel], keys: KeyPath) -> list[str]:
+    """Return the keys that the table at `keys` knows; none where the schema does not say."""
+    for key in keys:
+        field = schema.model_fields.get(str(key))
+        inner = field.annotation if field else None
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return []
+        schema = inner
+    return list(schema.model_fields)
+
+
+def _line_in(message: str) -> str:
+    found = re.search(r"at line (\d+)", message)
+    return f":{found[1]}" if found else ""
+
+
+def _without_place(message: str) -> str:
+    return re.sub(r" \(at .*\)$", "", message)

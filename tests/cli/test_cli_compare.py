@@ -1,0 +1,65 @@
+"""`sumo-reactive compare` as a user calls it."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+import sumo
+
+ROOT = Path(__file__).resolve().parents[2]
+FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
+SUMO = Path(sumo.SUMO_HOME) / "bin" / "sumo"
+
+
+def compare(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command."""
+    command = [sys.executable, "-m", "sumo_reactive", "compare", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=400, cwd=cwd, check=False)
+
+
+def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tmp_path):
+    answer = compare(FOUR_WAY, "--ego", "ego", "--seed", "1-2", "--jobs", 2, "--out", "out", cwd=tmp_path)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert "95 % interval" in answer.stdout and "others: vehicles" in answer.stdout
+    assert answer.stdout.endswith("2 of 2 pairs driven by both\n")
+    data = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+    for pair in data["pairs"]:
+        program, *arguments = shlex.split(pair["sumo"]["command"])
+        assert program == "sumo"
+        subprocess.run([SUMO, *arguments], cwd=tmp_path, check=True, timeout=60)
+        trips = ElementTree.parse(tmp_path / "tripinfo.xml").getroot()
+        (trip,) = (one for one in trips if one.get("id") == "ego")
+        found = pair["sumo"]["figures"]
+        for name, metric in (("duration", "duration_s"), ("routeLength", "distance_m"), ("timeLoss", "time_loss_s")):
+            assert float(trip.get(name)) == found[metric]
+        told = pair["sumo"]["departure_s"], pair["sumo"]["end_s"]
+        assert (float(trip.get("depart")), float(trip.get("arrival"))) == told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "place"),
+    [
+        (("nowhere.sumocfg",), "nowhere.sumocfg: no such file"),
+        ((FOUR_WAY, "--ego", "a", "--ego", "a"), "--ego: a value is given twice"),
+        ((FOUR_WAY, "--seed", "1-3", "--seed", "2"), "--seed: a value is given twice"),
+        ((FOUR_WAY, "--seed", "x"), "--seed: 'x' is neither a whole number nor a range"),
+        ((FOUR_WAY, "--seed", "3-1"), "--seed: '3-1' is empty"),
+        ((FOUR_WAY, "--horizon", "0"), "--horizon"),
+        ((FOUR_WAY, "--jobs", "0"), "--jobs"),
+        ((FOUR_WAY, "--out", FOUR_WAY), "a file, not a folder for a comparison"),
+        ((FOUR_WAY, "--", "--tripinfo-output", "x"), "SUMO option 'tripinfo-output' cannot be given"),
+        ((FOUR_WAY, "--ego", "nobody", "--out", "out"), "unknown ego 'nobody'"),
+    ],
+)
+def test_bad_input_gets_one_line_and_exit_code_2_and_leaves_nothing(tmp_path, arguments, place):
+    answer = compare(*arguments, cwd=tmp_path)
+    lines = [line for line in answer.stderr.splitlines() if line.startswith("sumo-reactive: ")]
+    assert answer.returncode == 2
+    assert len(lines) == 1 and place in lines[0]
+    assert "Traceback" not in answer.stderr and list(tmp_path.iterdir()) == []
