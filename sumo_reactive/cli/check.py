@@ -10,7 +10,7 @@ import typer
 from sumo_reactive.cli.app import app, note_compiling
 
 if TYPE_CHECKING:
-    from sumo_reactive.experiment.check import Case, Verdict
+    from sumo_reactive.experiment.verdict.check import Case, Verdict
 
 DEFAULT_LIMIT_S = 600.0
 
@@ -23,12 +23,12 @@ def check(
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = DEFAULT_LIMIT_S,
 ) -> int:
     """Run every scenario with every seed it names, and tell what of its expectations was not met."""
-    from sumo_reactive.experiment.check import cases_of, run_cases
-    from sumo_reactive.experiment.discovery import scenario_files
+    from sumo_reactive.experiment.verdict.check import cases_of, run_cases
+    from sumo_reactive.experiment.verdict.discovery import scenario_files
 
     cases = [case for file in scenario_files(paths) for case in cases_of(file)]
     if junit is not None:
-        from sumo_reactive.experiment.junit import require_writable
+        from sumo_reactive.experiment.verdict.junit import require_writable
 
         require_writable(junit)
     note_compiling()
@@ -46,7 +46,7 @@ def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
         if text:
             typer.echo("\n" + "\n".join((verdict.case.name, *(f"  {line}" for line in text.splitlines()))))
     if junit is not None:
-        from sumo_reactive.experiment.junit import write_junit
+        from sumo_reactive.experiment.verdict.junit import write_junit
 
         write_junit(junit, told)
     met = sum(verdict.is_met for verdict in verdicts)

@@ -11,8 +11,8 @@ import typer
 from sumo_reactive.cli.app import note_compiling, progress_shown
 
 if TYPE_CHECKING:
-    from sumo_reactive.experiment.egos import EgoRule
-    from sumo_reactive.experiment.fleet import FleetResult
+    from sumo_reactive.experiment.fleet.egos import EgoRule
+    from sumo_reactive.experiment.fleet.fleet import FleetResult
     from sumo_reactive.experiment.scenario import Scenario
 
 SHOWN_FAULTS = 20
@@ -23,7 +23,7 @@ def asked_for(
     scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None
 ) -> EgoRule | None:
     """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
-    from sumo_reactive.experiment.egos import EgoRule
+    from sumo_reactive.experiment.fleet.egos import EgoRule
     from sumo_reactive.sumo.config import read_config
     from sumo_reactive.sumo.devices import Equipment
 
@@ -36,8 +36,8 @@ def asked_for(
 
 def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: bool, quiet: bool) -> int:
     """Drive every vehicle that the rule chooses; return the exit code."""
-    from sumo_reactive.experiment.fleet import run_fleet
-    from sumo_reactive.experiment.fleet_record import FleetRecorder
+    from sumo_reactive.experiment.fleet.fleet import run_fleet
+    from sumo_reactive.experiment.fleet.record import FleetRecorder
 
     recorder = FleetRecorder(out, overwrite=overwrite) if out else None
     note_compiling()

@@ -13,7 +13,7 @@ from sumo_reactive.cli.app import app
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from sumo_reactive.experiment.stored_results import Mean, Results
+    from sumo_reactive.experiment.batch.stored_results import Mean, Results
 
 WIDE = 200
 """Columns of a table that goes to a file or another program."""
@@ -28,7 +28,7 @@ def results(
     parquet: Annotated[Path | None, typer.Option(metavar="F", help="the same as Parquet")] = None,
 ) -> int:
     """Show mean and 95 % interval of each metric by scenario, driver and parameters, or hand the table on."""
-    from sumo_reactive.experiment.stored_results import Results, written
+    from sumo_reactive.experiment.batch.stored_results import Results, written
 
     with Results(file) as found:
         if csv or parquet:

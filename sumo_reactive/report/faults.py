@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from sumo_reactive.experiment.check import Verdict
 from sumo_reactive.experiment.result import Collision, Fault, HardBrake, TrialResult
 from sumo_reactive.experiment.trace import Entry
+from sumo_reactive.experiment.verdict.check import Verdict
 from sumo_reactive.messages.decision import Decision
 from sumo_reactive.report.explain import decision_told, paragraph
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.egos import EgoRule
-from sumo_reactive.experiment.fleet import FleetResult, run_fleet
+from sumo_reactive.experiment.fleet.egos import EgoRule
+from sumo_reactive.experiment.fleet.fleet import FleetResult, run_fleet
 from sumo_reactive.experiment.scenario import Scenario, load_scenario
 from sumo_reactive.experiment.trial import run_trial
 from sumo_reactive.messages.record import Scene

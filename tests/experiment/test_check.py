@@ -7,10 +7,10 @@ from helpers.results import result
 from junitparser import Error, Failure, JUnitXml
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.check import cases_of, verdict_on
-from sumo_reactive.experiment.discovery import is_scenario_file, scenario_files
-from sumo_reactive.experiment.junit import require_writable, write_junit
-from sumo_reactive.experiment.task import Ending, Outcome
+from sumo_reactive.experiment.process.task import Ending, Outcome
+from sumo_reactive.experiment.verdict.check import cases_of, verdict_on
+from sumo_reactive.experiment.verdict.discovery import is_scenario_file, scenario_files
+from sumo_reactive.experiment.verdict.junit import require_writable, write_junit
 
 ROOT = Path(__file__).parents[2]
 CONFIG = (ROOT / "networks" / "roundabout" / "roundabout.sumocfg").as_posix()

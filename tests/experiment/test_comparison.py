@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.comparison import EGO_METRICS, OTHERS_METRICS, Comparison, Pair, Side, compare
-from sumo_reactive.experiment.comparison_record import (
+from sumo_reactive.experiment.comparison.comparison import EGO_METRICS, OTHERS_METRICS, Comparison, Pair, Side, compare
+from sumo_reactive.experiment.comparison.network_effects import Arrival, NetworkEffects
+from sumo_reactive.experiment.comparison.record import (
     CSV_FILE,
     JSON_FILE,
     LABELS,
@@ -23,10 +24,9 @@ from sumo_reactive.experiment.comparison_record import (
     rows_of,
     write,
 )
-from sumo_reactive.experiment.driver import Driver
-from sumo_reactive.experiment.network_effects import Arrival, NetworkEffects
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.runner import Ending, Outcome, Task
 from sumo_reactive.experiment.result import Collision, TrialResult
-from sumo_reactive.experiment.runner import Ending, Outcome, Task
 from sumo_reactive.experiment.scenario import Scenario, load_scenario
 from sumo_reactive.experiment.sumo_driver import run_sumo_driver
 from sumo_reactive.experiment.trial import run_trial

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.driver import Driver
-from sumo_reactive.experiment.experiment_file import load_experiment
+from sumo_reactive.experiment.batch.experiment_file import load_experiment
+from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.experiment.scenario import load_scenario_file
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import SimulationError
-from sumo_reactive.experiment.network_effects import Outputs, effects_of, means_over_both
+from sumo_reactive.experiment.comparison.network_effects import Outputs, effects_of, means_over_both
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.outputs import read_trips
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from sumo_reactive.experiment.driver import Driver
-from sumo_reactive.experiment.runner import Ending, Runner, Task, run_all
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.runner import Ending, Runner, Task, run_all
 from sumo_reactive.experiment.scenario import load_scenario
 
 LIMIT_S = 200.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sumo_reactive.experiment.statistics import interval_of, paired_difference
+from sumo_reactive.experiment.comparison.statistics import interval_of, paired_difference
 
 
 def test_a_difference_is_the_second_minus_the_first_over_the_same_things():

@@ -8,15 +8,15 @@ import pytest
 from distributed import KilledWorker
 
 from sumo_reactive.errors import ClusterError, StoreError
-from sumo_reactive.experiment.cluster import Cluster
+from sumo_reactive.experiment.batch.cluster import Cluster
+from sumo_reactive.experiment.batch.scouting import Departure
+from sumo_reactive.experiment.batch.store import Store
+from sumo_reactive.experiment.batch.stored_results import Results
+from sumo_reactive.experiment.batch.trials import Trial
+from sumo_reactive.experiment.batch.worker import Order
+from sumo_reactive.experiment.process.task import Ending, Outcome, Task
 from sumo_reactive.experiment.result import HardBrake, TrialResult, Violation
 from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.scouting import Departure
-from sumo_reactive.experiment.store import Store
-from sumo_reactive.experiment.stored_results import Results
-from sumo_reactive.experiment.task import Ending, Outcome, Task
-from sumo_reactive.experiment.trials import Trial
-from sumo_reactive.experiment.worker import Order
 
 FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
 

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 import sumo
 
-from sumo_reactive.experiment.network_effects import Outputs
+from sumo_reactive.experiment.comparison.network_effects import Outputs
 from sumo_reactive.experiment.scenario import Scenario, load_scenario
 from sumo_reactive.experiment.sumo_driver import run_sumo_driver
 from sumo_reactive.sumo.config import read_config

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.driver import Driver
-from sumo_reactive.experiment.experiment_file import load_experiment
+from sumo_reactive.experiment.batch.experiment_file import load_experiment
+from sumo_reactive.experiment.batch.scouting import Departure, drawn_egos, scout
+from sumo_reactive.experiment.batch.trial_key import digest_of_files, key_of
+from sumo_reactive.experiment.batch.trials import trials_of
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.scouting import Departure, drawn_egos, scout
-from sumo_reactive.experiment.task import Task
-from sumo_reactive.experiment.trial_key import digest_of_files, key_of
-from sumo_reactive.experiment.trials import trials_of
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"

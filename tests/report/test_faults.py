@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 from helpers.results import result
 
-from sumo_reactive.experiment.check import Case, Verdict
 from sumo_reactive.experiment.expectation import Expectation
+from sumo_reactive.experiment.process.task import Ending, Outcome
 from sumo_reactive.experiment.result import Collision, HardBrake, Violation
 from sumo_reactive.experiment.scenario import Scenario
-from sumo_reactive.experiment.task import Ending, Outcome
 from sumo_reactive.experiment.trace import Entry
+from sumo_reactive.experiment.verdict.check import Case, Verdict
 from sumo_reactive.messages.assessment import NOT_ASSESSED
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.report.faults import failure_told, fault_told, judgement_of

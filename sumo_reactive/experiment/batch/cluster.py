@@ -14,8 +14,8 @@ import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
 
 from sumo_reactive.errors import ClusterError, ReactiveError
-from sumo_reactive.experiment.task import Ending, Outcome
-from sumo_reactive.experiment.worker import Order, Report, run_order, stop_batch
+from sumo_reactive.experiment.batch.worker import Order, Report, run_order, stop_batch
+from sumo_reactive.experiment.process.task import Ending, Outcome
 from sumo_reactive.parameters import SCHEDULER_PATIENCE_S
 
 _ALLOWED = "distributed.scheduler.allowed-failures"

@@ -7,16 +7,16 @@ from dataclasses import replace
 from typing import Protocol
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.cluster import cluster
-from sumo_reactive.experiment.experiment_file import Experiment
-from sumo_reactive.experiment.runner import Runner
+from sumo_reactive.experiment.batch.cluster import cluster
+from sumo_reactive.experiment.batch.experiment_file import Experiment
+from sumo_reactive.experiment.batch.scouting import SCOUT, Departure
+from sumo_reactive.experiment.batch.store import Store
+from sumo_reactive.experiment.batch.trial_key import key_of_scouting, release
+from sumo_reactive.experiment.batch.trials import Trial
+from sumo_reactive.experiment.batch.worker import Order, Report
+from sumo_reactive.experiment.process.runner import Runner
+from sumo_reactive.experiment.process.task import Ending
 from sumo_reactive.experiment.scenario import Scenario
-from sumo_reactive.experiment.scouting import SCOUT, Departure
-from sumo_reactive.experiment.store import Store
-from sumo_reactive.experiment.task import Ending
-from sumo_reactive.experiment.trial_key import key_of_scouting, release
-from sumo_reactive.experiment.trials import Trial
-from sumo_reactive.experiment.worker import Order, Report
 
 
 class Watcher(Protocol):

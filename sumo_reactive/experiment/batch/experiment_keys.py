@@ -9,8 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from sumo_reactive import parameters
 from sumo_reactive.controller import Profile
 from sumo_reactive.errors import ParameterError
-from sumo_reactive.experiment.driver import Driver
 from sumo_reactive.experiment.metric_names import METRICS
+from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.experiment.toml_file import nearest, problem_at
 from sumo_reactive.overrides import overridden
 from sumo_reactive.pilot.schedule import Delays

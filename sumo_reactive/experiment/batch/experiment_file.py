@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sumo_reactive.errors import ReactiveError, ScenarioError
-from sumo_reactive.experiment.experiment_keys import EgoKeys, ExperimentFile, ExperimentKeys, SampleKeys, Word
+from sumo_reactive.experiment.batch.experiment_keys import EgoKeys, ExperimentFile, ExperimentKeys, SampleKeys, Word
 from sumo_reactive.experiment.scenario import Scenario, load_scenario, load_scenario_file
 from sumo_reactive.experiment.toml_file import line_of, nearest, read_toml, text_of
 

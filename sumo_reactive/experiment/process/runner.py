@@ -21,8 +21,8 @@ from typing import Any, BinaryIO, cast
 
 import psutil
 
-from sumo_reactive.experiment.task import Ending, Outcome, Task
-from sumo_reactive.experiment.trial_process import receive, send
+from sumo_reactive.experiment.process.task import Ending, Outcome, Task
+from sumo_reactive.experiment.process.trial_process import receive, send
 from sumo_reactive.overrides import VARIABLE, overrides
 from sumo_reactive.parameters import MAX_MEMORY_MB, MAX_TRIALS, RECYCLE_MEMORY_MB
 
@@ -31,7 +31,7 @@ __all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
 Answer = tuple[Ending, Any, float]
 """How a call ended; its value, or in one line why there is none; wall-clock time, s."""
 
-_RUN = "sumo_reactive.experiment.observed:run_observed"
+_RUN = "sumo_reactive.experiment.process.observed:run_observed"
 _LOOK_S = 0.5
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -98,7 +98,7 @@ class _Child:
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 closed with the process
         self._scratch = tempfile.mkdtemp(prefix="sumo_reactive_trials_")
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "sumo_reactive.experiment.trial_process", self._scratch],
+            [sys.executable, "-m", "sumo_reactive.experiment.process.trial_process", self._scratch],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=_environment(parameters),
         )  # fmt: skip
         assert self._process.stdin and self._process.stdout

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.driver import Driver
-from sumo_reactive.experiment.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
+from sumo_reactive.experiment.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
+from sumo_reactive.experiment.comparison.statistics import PairedDifference, paired_difference
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.runner import Ending, Outcome, Task, run_all
 from sumo_reactive.experiment.result import TrialResult
-from sumo_reactive.experiment.runner import Ending, Outcome, Task, run_all
 from sumo_reactive.experiment.scenario import Scenario
-from sumo_reactive.experiment.statistics import PairedDifference, paired_difference
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical

@@ -13,11 +13,11 @@ from typing import Any
 import duckdb
 
 from sumo_reactive.errors import StoreError
-from sumo_reactive.experiment.scouting import Departure
-from sumo_reactive.experiment.stored_events import events_of
-from sumo_reactive.experiment.task import Ending, Outcome
-from sumo_reactive.experiment.trial_key import release
-from sumo_reactive.experiment.trials import Trial
+from sumo_reactive.experiment.batch.scouting import Departure
+from sumo_reactive.experiment.batch.stored_events import events_of
+from sumo_reactive.experiment.batch.trial_key import release
+from sumo_reactive.experiment.batch.trials import Trial
+from sumo_reactive.experiment.process.task import Ending, Outcome
 
 VERSION = 1
 """Version of the tables below; a store of another is refused."""

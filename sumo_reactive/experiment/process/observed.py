@@ -6,9 +6,9 @@ import hashlib
 from collections.abc import Iterable
 from typing import Any
 
-from sumo_reactive.experiment.driver import Driver
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.sumo_driver import run_sumo_driver
-from sumo_reactive.experiment.task import Task
 from sumo_reactive.experiment.trace import entries
 from sumo_reactive.experiment.trajectory import COLUMNS
 from sumo_reactive.experiment.trial import run_trial

@@ -11,8 +11,8 @@ from pathlib import Path
 from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.check import Verdict
-from sumo_reactive.experiment.task import Ending
+from sumo_reactive.experiment.process.task import Ending
+from sumo_reactive.experiment.verdict.check import Verdict
 
 Told = tuple[Verdict, str]
 """A verdict, and all that is told about it (empty: it was met)."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import shlex
 
-from sumo_reactive.experiment.driver import Driver
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.scenario import Scenario
-from sumo_reactive.experiment.task import Task
 from sumo_reactive.overrides import VARIABLE
 
 

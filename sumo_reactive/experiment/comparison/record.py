@@ -10,8 +10,8 @@ from io import StringIO
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.comparison import Comparison, Number, Pair, Side
-from sumo_reactive.experiment.statistics import CONFIDENCE, RESAMPLES, Interval, PairedDifference
+from sumo_reactive.experiment.comparison.comparison import Comparison, Number, Pair, Side
+from sumo_reactive.experiment.comparison.statistics import CONFIDENCE, RESAMPLES, Interval, PairedDifference
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 

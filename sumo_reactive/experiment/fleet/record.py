@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from sumo_reactive.experiment.fleet import FleetResult
+from sumo_reactive.experiment.fleet.fleet import FleetResult
 from sumo_reactive.experiment.recorder import Recorder
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.world.road_graph import RoadGraph

@@ -7,8 +7,8 @@ import json
 from functools import cache
 from pathlib import Path
 
+from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.scenario import Scenario
-from sumo_reactive.experiment.task import Task
 from sumo_reactive.experiment.trial import versions
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.option_names import INPUT_FILES, OUTPUT_FILES

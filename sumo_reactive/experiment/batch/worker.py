@@ -7,8 +7,8 @@ from threading import Lock
 from typing import NamedTuple
 
 from sumo_reactive.errors import ClusterError
-from sumo_reactive.experiment.runner import Runner
-from sumo_reactive.experiment.task import Ending, Outcome, Task
+from sumo_reactive.experiment.process.runner import Runner
+from sumo_reactive.experiment.process.task import Ending, Outcome, Task
 from sumo_reactive.overrides import VARIABLE
 
 
@@ -37,7 +37,7 @@ _stopped: set[str] = set()
 
 def run_order(order: Order) -> Report:
     """Run an order; raise ClusterError if this worker has other sources than whoever gave it."""
-    from sumo_reactive.experiment.trial_key import release
+    from sumo_reactive.experiment.batch.trial_key import release
 
     if (here := release()["sources"]) != order.sources:
         raise ClusterError(f"a worker has sumo_reactive with sources {here}, this process {order.sources}: install the same")

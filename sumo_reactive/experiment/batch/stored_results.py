@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import duckdb
 
 from sumo_reactive.errors import StoreError
+from sumo_reactive.experiment.batch.store import connected
+from sumo_reactive.experiment.comparison.statistics import Interval, interval_of
 from sumo_reactive.experiment.metric_names import METRICS
-from sumo_reactive.experiment.statistics import Interval, interval_of
-from sumo_reactive.experiment.store import connected
 from sumo_reactive.experiment.toml_file import nearest
 
 _GROUP = "scenario, driver, parameters, options"

@@ -15,7 +15,7 @@ from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
 from sumo_reactive.sumo.session import is_road_car
 
-SCOUT = "sumo_reactive.experiment.scouting:scout"
+SCOUT = "sumo_reactive.experiment.batch.scouting:scout"
 """Name of `scout`, to be called in another process."""
 
 

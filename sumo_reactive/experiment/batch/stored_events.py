@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 
-from sumo_reactive.experiment.task import Outcome
+from sumo_reactive.experiment.process.task import Outcome
 from sumo_reactive.experiment.trace import line_of
 
 COLLISION, HARD_BRAKING, EMERGENCY, DECISION = "collision", "hard braking", "emergency", "decision"

@@ -50,7 +50,7 @@ def main(scratch: str) -> None:
     orders: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_listen, args=(orders, scratch), daemon=True).start()
     with contextlib.suppress(Exception):  # tried again, and told, by the first order
-        import sumo_reactive.experiment.observed  # noqa: F401
+        import sumo_reactive.experiment.process.observed  # noqa: F401
     tempfile.tempdir = scratch
     send(answers, ())
     while True:

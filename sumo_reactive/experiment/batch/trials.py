@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import TypeVar
 
 from sumo_reactive import parameters
-from sumo_reactive.experiment.driver import Driver
-from sumo_reactive.experiment.experiment_file import Choice, Experiment
-from sumo_reactive.experiment.experiment_keys import Word
-from sumo_reactive.experiment.replay import replay_command
+from sumo_reactive.experiment.batch.experiment_file import Choice, Experiment
+from sumo_reactive.experiment.batch.experiment_keys import Word
+from sumo_reactive.experiment.batch.scouting import Departure, drawn_egos
+from sumo_reactive.experiment.batch.trial_key import key_of
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.replay import replay_command
+from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.scenario import Scenario
-from sumo_reactive.experiment.scouting import Departure, drawn_egos
-from sumo_reactive.experiment.task import Task
-from sumo_reactive.experiment.trial_key import key_of
 from sumo_reactive.overrides import overrides
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.outputs import silenced

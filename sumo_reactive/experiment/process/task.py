@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from sumo_reactive.experiment.driver import Driver
+from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.experiment.result import TrialResult
 from sumo_reactive.experiment.scenario import Scenario
 from sumo_reactive.experiment.trace import Entry

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sumo_reactive.experiment.expectation import Expectation, unmet
-from sumo_reactive.experiment.runner import run_all
+from sumo_reactive.experiment.process.runner import run_all
+from sumo_reactive.experiment.process.task import Ending, Outcome, Task
 from sumo_reactive.experiment.scenario import Scenario, load_scenario_file
-from sumo_reactive.experiment.task import Ending, Outcome, Task
 from sumo_reactive.overrides import overrides
 
 

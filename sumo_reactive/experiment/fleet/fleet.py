@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 from sumo_reactive.compilation import is_cached, mark_cached
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
-from sumo_reactive.experiment.egos import EgoRule
+from sumo_reactive.experiment.fleet.egos import EgoRule
+from sumo_reactive.experiment.fleet.worlds import Worlds
 from sumo_reactive.experiment.metrics import Jury
 from sumo_reactive.experiment.result import TrialResult
 from sumo_reactive.experiment.scenario import Scenario, require_parameters
 from sumo_reactive.experiment.start import Started, started
 from sumo_reactive.experiment.trial import result_of
 from sumo_reactive.experiment.trip import Order, Trip, world_kept
-from sumo_reactive.experiment.worlds import Worlds
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.parameters import STUCK_S
 from sumo_reactive.sumo.devices import Equipment

@@ -1,0 +1,1 @@
+"""Batches: an experiment file becomes trials, run by workers, kept in a store."""

@@ -1,0 +1,1 @@
+"""Several egos in one simulation."""
