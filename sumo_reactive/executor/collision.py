@@ -15,11 +15,11 @@ Array = NDArray[np.float64]
 
 
 @kernel
-def turned(box: Array, t: float) -> tuple[float, float, float]:
-    """Return centre (m) and heading (rad) of a box (7) that has kept speed and turn rate for `t` s."""
+def moved(box: Array, t: float, turn_rate: float) -> tuple[float, float, float]:
+    """Return centre (m) and heading (rad) of a box (7) that has kept its speed and a turn rate (rad/s) for `t` s."""
     back = 0.5 * box[4]
     x, y = box[0] - back * math.cos(box[2]), box[1] - back * math.sin(box[2])
-    half = 0.5 * box[6] * t
+    half = 0.5 * turn_rate * t
     chord = box[3] * t * (1.0 - half * half / 6.0)
     return x + chord * math.cos(box[2] + half), y + chord * math.sin(box[2] + half), box[2] + 2.0 * half
 
@@ -31,8 +31,10 @@ def braking_collides(
 ) -> bool:  # fmt: skip
     """Whether the ego, braking along its arc from `start` s ahead, touches a predicted footprint within `horizon` s.
 
-    The others keep speed and turning. Who now has the front behind the ego's middle, or is touched only while the ego
-    stands, has to look out himself. `boxes` (n, 7): front x, y, heading, speed, length, width, turn
+    The others keep their speed. Who turns may go on turning or go straight on: only where both ways touch, braking is no
+    matter of what he will do. A car that comes round a bend does not hit the ego, nor does one that waits to turn across its
+    path; that one is the pilot's matter. Who now has the front behind the ego's middle, or is touched only while the
+    ego stands, has to look out himself. `boxes` (n, 7): front x, y, heading, speed, length, width, turn
     rate (rad/s).
     """
     t, v = start, speed
@@ -41,11 +43,14 @@ def braking_collides(
         back = axle_to_front - 0.5 * length
         cx, cy = px + back * math.cos(ph), py + back * math.sin(ph)
         for k in range(len(boxes)):
-            bx, by, bh = turned(boxes[k], t)
             ahead = (boxes[k, 0] - x) * math.cos(heading) + (boxes[k, 1] - y) * math.sin(heading)
-            if ahead > axle_to_front - 0.5 * length and boxes_overlap(
-                cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5]
-            ):
+            if ahead <= axle_to_front - 0.5 * length:
+                continue
+            touched = True
+            for turn_rate in (boxes[k, 6], 0.0):
+                bx, by, bh = moved(boxes[k], t, turn_rate)
+                touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5])
+            if touched:
                 return True
         px, py, ph = advance_pose(px, py, ph, v, steering_angle, wheelbase, step)
         v = max(0.0, v - deceleration * step)

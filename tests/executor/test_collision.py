@@ -9,7 +9,7 @@ from helpers.cars import CAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.executor.collision import braking_collides, turned
+from sumo_reactive.executor.collision import braking_collides, moved
 from sumo_reactive.geometry.footprint import Footprint, boxes_overlap
 
 boxes = st.tuples(st.floats(-6, 6), st.floats(-6, 6), st.floats(-4, 4), st.floats(0.5, 12), st.floats(0.3, 3))
@@ -94,9 +94,19 @@ def test_a_car_that_comes_round_a_bend_beside_the_ego_is_not_met():
 @given(st.floats(0.0, 20.0), st.floats(-1.5, 1.5), st.floats(0.0, 0.7), st.floats(-3.0, 3.0))
 def test_a_turning_box_stays_on_its_circle(speed, turn, time, heading):
     box = np.array((2.0 * math.cos(heading), 2.0 * math.sin(heading), heading, speed, 4.0, 1.8, turn))
-    x, y, after = turned(box, time)
+    x, y, after = moved(box, time, turn)
     assume(abs(turn) > 0.01)
     radius = speed / turn
     cx, cy = -radius * math.sin(heading), radius * math.cos(heading)
     assert math.hypot(x - cx, y - cy) == pytest.approx(abs(radius), abs=0.01)
     assert after == pytest.approx(heading + turn * time)
+
+
+def test_who_would_turn_across_its_path_is_the_pilots_matter():
+    waiting_to_turn = (CAR.front_to_rear_axle + 6.0, 2.6, math.pi, 5.0, 4.3, 1.8)
+    assert not collides(6.0, waiting_to_turn, horizon=0.7, turn=0.8)
+
+
+def test_who_comes_towards_it_whichever_way_he_goes_is_braked_for():
+    oncoming = (CAR.front_to_rear_axle + 5.0, 0.3, math.pi, 9.0, 4.3, 1.8)
+    assert collides(6.0, oncoming, horizon=0.7, turn=0.1)
