@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,8 +16,11 @@ if TYPE_CHECKING:
     from sumo_reactive.experiment.fleet.fleet import FleetResult
     from sumo_reactive.experiment.scenario import Scenario
 
-SHOWN_FAULTS = 20
-"""Egos with a fault that are listed at most; all are in the record."""
+SHOWN = 20
+"""Egos that are listed at most, those with a fault if there are any; all are in the record."""
+
+PLAIN_WIDTH = 120
+"""Columns of the list where no terminal says how many there are."""
 
 
 def asked_for(
@@ -66,8 +70,10 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
     if quiet:
         return
     table = Table("ego", "departed s", "duration s", "time loss s", "verdict", box=None)
-    for result in (fleet.faulty or fleet.results)[:SHOWN_FAULTS]:
-        row = f"{result.departure_s:.1f}", f"{result.duration_s:.1f}", f"{result.time_loss_s:.1f}", result.verdict
-        table.add_row(result.ego, *row)
-    Console(highlight=False).print(table)
+    for result in (fleet.faulty or fleet.results)[:SHOWN]:
+        is_cut_short = result.ego in fleet.on_their_way and result not in fleet.faulty
+        verdict = "on its way" if is_cut_short else result.verdict
+        figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
+        table.add_row(result.ego, *figures, verdict)
+    Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH).print(table)
     typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")
