@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import math
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -166,7 +167,8 @@ class Trip:
         self.ego.place(drive.ego, step.completed.intent, self.step_length, lane, here.lane_id in self._overlooked)
         self.ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
         edges = self._route.edges[here.route_index :]
-        shown = haunt(graph, drive.plan, here, drive.ego, drive.s, self.ego.limits, edges)
+        stop = step.completed.stop.s if step.completed.stop else math.inf
+        shown = haunt(graph, drive.plan, here, drive.ego, drive.s, self.ego.limits, edges, stop)
         if shown is None:
             self.ghosts.hide()
         else:

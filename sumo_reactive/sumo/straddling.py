@@ -30,9 +30,10 @@ class Haunt(NamedTuple):
 
 def haunt(
     graph: RoadGraph, plan: NominalPlan, here: LaneSegment, ego: VehicleState, s: float, limits: VehicleLimits,
-    edges: tuple[str, ...],
+    edges: tuple[str, ...], stop: float = math.inf,
 ) -> Haunt | None:  # fmt: skip
-    """Return where to show the ego besides; None: nowhere. `edges`: its route from lane segment `here` on.
+    """Return where to show the ego besides; None: nowhere. `edges`: its route from lane segment `here` on; `stop`: where its
+    front bumper is to stop, m of C.
 
     On the oncoming lane the stand-in stands, its front where the ego's rear is: SUMO knows no driving backwards.
     """
@@ -43,7 +44,7 @@ def haunt(
         lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits) if own.reaches(x, y, limits.width) else own
         if lane is not None:
             return Haunt(lane, x, y, ego.speed, edges)
-        lane = cut_lane(graph, plan, here, s, ego.speed, limits)
+        lane = cut_lane(graph, plan, here, s, ego.speed, limits, stop)
         return None if lane is None else Haunt(lane, x, y, ego.speed, edges, waits=True)
     lane = _beside(graph, here.lane_id, plan.aside.lateral)
     if lane is None or not _covers(lane, x, y, limits):
@@ -94,14 +95,16 @@ def lane_to_haunt(
 
 
 def cut_lane(
-    graph: RoadGraph, plan: NominalPlan, here: LaneSegment, s: float, speed: float, limits: VehicleLimits
-) -> Lane | None:
+    graph: RoadGraph, plan: NominalPlan, here: LaneSegment, s: float, speed: float, limits: VehicleLimits,
+    stop: float = math.inf,
+) -> Lane | None:  # fmt: skip
     """Return the lane beside the ego's that a long body covers in a bend, now or soon; None: there is none.
 
     The rear cuts to the inside of a bend, the front swings out of it. Who comes there from behind must see it before the
-    body is across. `s`: arc length of the front axle on C, m.
+    body is across, but not while the ego means to `stop` before. `s`: arc length of the front axle on C, m.
     """
-    rear, ahead = s + limits.front_overhang - limits.length, s + limits.front_overhang + speed * CUT_SEEN_S
+    front = s + limits.front_overhang
+    rear, ahead = front - limits.length, max(min(front + speed * CUT_SEEN_S, stop), front)
     for cut in cuts_of(plan, graph, limits):
         if rear < cut.end and cut.start < ahead:
             beside = lane_at_side(graph, here.lane_id, cut.left)

@@ -46,3 +46,14 @@ def test_two_cars_exchange_their_lanes(tmp_path, late, length):
     weaving = stream("w", "bc cd df", [2 + late, 4 + late])
     run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "ac cd de", 2), weaving)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.6, 1.2, 1.8])
+def test_who_comes_beside_an_ego_that_swings_out_to_turn_round_is_let_past(tmp_path, ahead):
+    nodes = node("a", 0, 0) + node("b", 120, 0) + node("c", 240, 0)
+    ways = "".join(edge(ends, numLanes=2) for ends in ("ab", "ba", "bc"))
+    links = link("ab bc") + link("ab bc", "11") + link("ab ba", "11")
+    net = Net(nodes, ways, links, options=())
+    beside = stream("x", "ab bc", [6.0 - ahead + 2.0 * k for k in range(8)], departLane=0)
+    run = driven(tmp_path, net, car("ego", "ab ba", 3, departLane=1), beside)
+    assert run.complaints(slower=2.5) == []  # the stream lasts as long as SUMO's own driver takes, which turns on the spot
