@@ -26,7 +26,8 @@ def test_the_version_is_told():
 def test_help_loads_nothing_heavy():
     code = (
         "import sys, sumo_reactive.cli; "
-        "print([name for name in ('numba', 'numpy', 'duckdb', 'shapely', 'libsumo', 'sumolib') if name in sys.modules])"
+        "heavy = ('numba', 'numpy', 'duckdb', 'plotly', 'shapely', 'libsumo', 'sumolib'); "
+        "print([name for name in heavy if name in sys.modules])"
     )
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert answer.stdout.strip() == "[]"
@@ -54,6 +55,10 @@ def test_help_loads_nothing_heavy():
         (("explain", FOUR_WAY), "a file, not a folder"),
         (("explain", "."), ".: not the record of a run: it has no summary.json"),
         (("explain", ".", "--at", "x"), "--at"),
+        (("report",), "PATH"),
+        (("report", "nowhere"), "nowhere: no such file or folder"),
+        (("report", "."), ".: not the record of a run: it has no summary.json"),
+        (("report", FOUR_WAY), "four_way_priority.toml: not the store of an experiment"),
         (("check",), "PATH"),
         (("check", "nowhere"), "nowhere: no such file or folder"),
         (("check", "."), ".: no scenario file"),

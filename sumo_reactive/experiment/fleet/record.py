@@ -27,8 +27,7 @@ class FleetRecorder:
     def see(self, ego_id: str, scene: Scene) -> None:
         """Keep one step of one ego."""
         if ego_id not in self._recorders:
-            name = _NOT_IN_A_NAME.sub("_", ego_id)
-            self._recorders[ego_id] = Recorder(self._folder / name, overwrite=self._overwrite)
+            self._recorders[ego_id] = Recorder(self._folder / folder_name(ego_id), overwrite=self._overwrite)
         self._recorders[ego_id].see(scene)
 
     def survey(self, ego_id: str, graph: RoadGraph) -> None:
@@ -44,6 +43,11 @@ class FleetRecorder:
         self._folder.mkdir(parents=True, exist_ok=True)
         summary = json.dumps(fleet_summary(fleet), indent=2, allow_nan=False)
         (self._folder / FLEET).write_text(summary + "\n", encoding="utf-8")
+
+
+def folder_name(ego_id: str) -> str:
+    """Return the name of an ego's folder: its id without what a file system might not take."""
+    return _NOT_IN_A_NAME.sub("_", ego_id)
 
 
 def fleet_summary(fleet: FleetResult) -> dict[str, object]:

@@ -1,0 +1,1 @@
+"""The page of a batch: tables, distributions, pairs, worst trials."""

@@ -1,0 +1,76 @@
+"""A real browser without a window: what a page says, what stands in it, and what it looks like."""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+NO_BROWSER = f"no browser on this machine: none of {', '.join(BROWSERS)} is on the path"
+
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--force-device-scale-factor=1",
+    "--enable-logging=stderr", "--v=0", "--virtual-time-budget=10000",
+)  # fmt: skip
+WIDTH, SECONDS = 1300, 120
+
+PLACES = """<script>
+addEventListener("load", () => setTimeout(() => {
+  const plots = [...document.querySelectorAll(".js-plotly-plot")].map((plot) => {
+    const box = plot.getBoundingClientRect();
+    return [plot.id, Math.round(box.left), Math.round(box.top), Math.round(box.right), Math.round(box.bottom)];
+  });
+  document.body.dataset.places = JSON.stringify({ height: document.documentElement.scrollHeight, plots: plots });
+}, 1000));
+</script>"""
+"""Notes where the plots of a page are when it has been drawn."""
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A page in a browser: lines on its console, its elements after loading, its plots as pictures (n, m, 3), 0 to 1."""
+
+    console: list[str]
+    dom: str
+    plots: dict[str, np.ndarray]
+
+
+def opened(page: Path, folder: Path) -> Opened:
+    """Open a page in a browser with a new profile; `folder` takes what that needs."""
+    noted = folder / "noted.html"
+    noted.write_text(page.read_text(encoding="utf-8").replace("</body>", f"{PLACES}</body>"), encoding="utf-8")
+    dom, said = _browse(noted, folder, "--dump-dom")
+    found = re.search(r'data-places="([^"]*)"', dom)
+    places = json.loads(html.unescape(found[1])) if found else {"height": 1000, "plots": []}
+    picture = folder / "page.png"
+    _browse(noted, folder, f"--screenshot={picture}", f"--window-size={WIDTH},{places['height']}")
+    pixels = matplotlib.image.imread(picture)[..., :3]
+    plots = {name: pixels[top:bottom, left:right] for name, left, top, right, bottom in places["plots"]}
+    return Opened([line for line in said.splitlines() if "CONSOLE" in line], dom, plots)
+
+
+def _browse(page: Path, folder: Path, *flags: str) -> tuple[str, str]:
+    profile = folder / "profile"
+    command = [BROWSER, *FLAGS, f"--window-size={WIDTH},1000", *flags, f"--user-data-dir={profile}", page.as_uri()]
+    answer = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=SECONDS, check=True)
+    shutil.rmtree(profile, ignore_errors=True)
+    return answer.stdout, answer.stderr
+
+
+def coloured(picture: np.ndarray) -> int:
+    """Return how many pixels of a picture are neither white, black nor grey."""
+    return int(np.count_nonzero(picture.max(axis=2) - picture.min(axis=2) > 0.25))
+
+
+def of_colour(picture: np.ndarray, colour: str) -> int:
+    """Return how many pixels of a picture have a colour such as "#0072b2"."""
+    wanted = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    return int(np.count_nonzero(np.abs(picture - wanted).max(axis=2) < 0.02))

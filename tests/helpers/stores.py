@@ -1,0 +1,57 @@
+"""Stores of batches whose trials never ran."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from helpers.results import result
+from sumo_reactive.experiment.batch.store import Store
+from sumo_reactive.experiment.batch.trials import Trial
+from sumo_reactive.experiment.process.driver import Driver
+from sumo_reactive.experiment.process.task import Ending, Outcome, Task
+from sumo_reactive.experiment.result import Collision
+from sumo_reactive.experiment.scenario import load_scenario
+from sumo_reactive.experiment.trace import Entry
+from sumo_reactive.messages.assessment import NOT_ASSESSED
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Reason
+
+FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
+METRICS = ("arrived", "collisions", "duration_s", "rms_jerk_m_s3")
+JUDGED = Entry(
+    12.0, (), NOT_ASSESSED, Behaviour.CAUTIOUS, Instruction.CROSS,
+    (Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "J1", "veh_<7>", True),),
+)  # fmt: skip
+
+
+def trial(seed, driver=Driver.REACTIVE, scenario="town.toml", parameters=None):
+    """Return a trial of a scenario that stands for `scenario`."""
+    task = Task(replace(load_scenario(FOUR_WAY), seed=seed, ego=scenario.removesuffix(".toml")), driver)
+    return Trial(scenario, parameters or {}, {}, task)
+
+
+def outcome(one, duration, jerk=2.0, entries=(), **others):
+    """Return an arrival after `duration` (s), but for `others`."""
+    figures = {"rms_jerk_m_s3": jerk, "collisions": len(others.get("collisions", ()))}
+    ego = one.task.scenario.ego
+    done = result(ego=ego, seed=one.task.scenario.seed, end_s=5.0 + duration, figures=figures, **others)
+    return Outcome(one.task, Ending.DONE, done, entries=entries, trajectory="digest", wall_s=0.1)
+
+
+def made_store(path):
+    """Make a store: two scenarios, three seeds, both drivers; one trial collides, one does not arrive, one crashes."""
+    kept = []
+    for scenario, slower in (("town.toml", 0.0), ("land.toml", 20.0)):
+        for seed in (1, 2, 3):
+            baseline, ours = trial(seed, Driver.SUMO, scenario), trial(seed, Driver.REACTIVE, scenario)
+            kept.append((baseline, outcome(baseline, 40.0 + slower + seed, jerk=4.0 + 0.1 * seed)))
+            kept.append((ours, outcome(ours, 30.0 + slower + 2.0 * seed, jerk=1.0 + 0.1 * seed)))
+    hit = trial(4)
+    collision = Collision(13.0, "veh_<7>", "lane_0")
+    kept.append((hit, outcome(hit, 33.0, entries=(JUDGED,), collisions=(collision,))))
+    late, lost = trial(5), trial(6)
+    kept.append((late, outcome(late, 99.0, arrived=False, ended="until 104 s")))
+    kept.append((lost, Outcome(lost.task, Ending.CRASHED, reason="the process was killed by SIGKILL")))
+    with Store(path) as store:
+        store.plan([one for one, _ in kept], list(METRICS))
+        for one, ended in kept:
+            store.put(one, ended, 1)
+    return path
