@@ -164,6 +164,12 @@ ATTENTION_BEHIND_M = 90.0
 CORRIDOR_MARGIN_M = 0.2
 """Added to each side of the ego when it asks what stands in its way, unless it sweeps more in a bend."""
 
+WAITING_LENGTH_M = 5.0
+"""A car of this length…"""
+
+WAITING_WIDTH_M = 1.8
+"""…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
+
 NEAR_M = 45.0
 """Users nearer than this cast U₂ and are tested for contact."""
 
@@ -572,6 +578,9 @@ CUT_M = 0.6
 
 CUT_SIGHT_M = 60.0
 """So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
+
+CUT_PATIENCE_S = 15.0
+"""After so long a wait for a gap to cut into, the ego takes one that those behind must brake for, though not hard."""
 
 CUT_SEEN_S = 2.0
 """So long before, at the present speed: who comes from behind needs as much to fall back."""

@@ -1,6 +1,7 @@
 """The command line in processes of its own: exit codes, one clear line for bad input, nothing left behind."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -152,11 +153,15 @@ def test_quiet_prints_the_verdict_only():
 
 
 @pytest.mark.parametrize("interrupt", [signal.SIGINT, signal.SIGKILL], ids=lambda one: one.name)
-def test_a_run_cut_short_leaves_no_record(tmp_path, interrupt):
+def test_a_run_cut_short_leaves_no_record(tmp_path, tmp_path_factory, interrupt):
+    scratch = tmp_path_factory.mktemp("scratch")
     city = ROOT / "scenarios" / "city_grid.toml"
     command = [sys.executable, "-m", "sumo_reactive", "run", str(city), "--until-end", "--out", str(tmp_path / "out")]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, encoding="utf-8") as process:
-        time.sleep(1.5)
+    environment = os.environ | {"TMPDIR": str(scratch)}
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, encoding="utf-8", env=environment) as process:
+        while not list(scratch.iterdir()) and process.poll() is None:  # SUMO's own folder: the run has begun
+            time.sleep(0.05)
+        time.sleep(0.5)
         process.send_signal(interrupt)
         _, message = process.communicate(timeout=60)
     assert process.returncode == (130 if interrupt is signal.SIGINT else -signal.SIGKILL)

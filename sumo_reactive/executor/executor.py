@@ -108,13 +108,16 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     headway = limits.time_headway * profile.headway
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
-        braking = _braking(speed, 0.0, away, completed.stop.s - HARD_STOP_MARGIN_M - front, limits, comfort)
-        wish = _lower(wish, stopping_speed(away, comfort, period), speed, braking, period, STOP_PLACE)
+        asked = stopping_speed(away, comfort, period)
+        if asked < wish.speed:
+            braking = _braking(speed, 0.0, away, completed.stop.s - HARD_STOP_MARGIN_M - front, limits, comfort)
+            wish = _lower(wish, asked, speed, braking, period, STOP_PLACE)
     for leader in snapshot.leaders:
         gap = leader.s - front - limits.standstill_gap
-        braking = _braking(speed, leader.speed, gap, _room_behind(leader, front), limits, comfort)
-        following = following_speed(gap, leader.speed, comfort, headway)
-        wish = _lower(wish, following, speed, braking, period, leader.user_id)
+        asked = following_speed(gap, leader.speed, comfort, headway)
+        if asked < wish.speed:
+            braking = _braking(speed, leader.speed, gap, _room_behind(leader, front), limits, comfort)
+            wish = _lower(wish, asked, speed, braking, period, leader.user_id)
     slot = _slot(snapshot, completed.slot) if completed.slot else None
     if slot is not None:
         gap = slot.ahead - slot.user.body.length
@@ -181,7 +184,10 @@ def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
 
 def _target(snapshot: Snapshot, completed: CompletedPlan) -> TimeConstraint | None:
     """Return the next (l, t_l) of P⁺."""
-    return next((c for c in completed.time_constraints if c.s > snapshot.front), None)
+    for constraint in completed.time_constraints:
+        if constraint.s > snapshot.front:
+            return constraint
+    return None
 
 
 def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
 from sumo_reactive.errors import PlanError
 from sumo_reactive.experiment.rerouting import WayRound, way_round
@@ -19,6 +21,7 @@ from sumo_reactive.messages.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import Traffic
 from sumo_reactive.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
+from sumo_reactive.perception.foresee import turn_of
 from sumo_reactive.pilot.lights import letter_of
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.lane_choice import choose_lanes
@@ -83,6 +86,7 @@ class Trip:
         self._drive = Drive(state, self._plan(start), 0.0)
         self._traffic = self._observe()
         self._controller.step(self._traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
+        turn_of(np.zeros((2, 3)), 0.0, 1.0)  # nobody may be near yet
 
     @property
     def has_ended(self) -> bool:

@@ -2,7 +2,10 @@
 
 import math
 
+from sumo_reactive.compilation import kernel
 
+
+@kernel
 def wrapped(angle: float) -> float:
     """Return `angle` (rad) in (-π, π]."""
     return math.pi - (math.pi - angle) % (2.0 * math.pi)

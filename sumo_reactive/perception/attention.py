@@ -23,12 +23,15 @@ from sumo_reactive.world.road_graph import RoadGraph
 class Watch(NamedTuple):
     """A lane from which a conflict can arise.
 
-    A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`.
+    A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`; the region
+    lies from `start` to `end` m behind that line.
     """
 
     conflict: Conflict
     distance: float
     edges: tuple[str, ...]
+    start: float
+    end: float
 
 
 @lru_cache(maxsize=4096)
@@ -66,13 +69,13 @@ def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
     table: dict[str, list[Watch]] = {}
     for conflict in conflicts_of(graph, connection_id):
-        behind = 0.0
+        behind, region = 0.0, (conflict.region.other.start, conflict.region.other.end)
         for part in conflict.other.parts:
-            table.setdefault(part, []).append(Watch(conflict, -behind, ()))
+            table.setdefault(part, []).append(Watch(conflict, -behind, (), *region))
             behind += graph.lanes[part].spine.length
-        table.setdefault(conflict.other.to_lane, []).append(Watch(conflict, -behind, ()))
+        table.setdefault(conflict.other.to_lane, []).append(Watch(conflict, -behind, (), *region))
         for approach in graph.approaches.get(conflict.other.id, ()):
-            table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges))
+            table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges, *region))
     return {lane: tuple(entries) for lane, entries in table.items()}
 
 
@@ -146,7 +149,7 @@ def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
 
 def lane_sought(plan: NominalPlan, front: float) -> str:
     """Return the lane that the next change leads to, if it may be made already; empty: none."""
-    change = next_change(plan, front)
+    change = next_change(plan, front) if plan.lane_changes else None
     return "" if change is None or change.opens > front else change.to_lane
 
 

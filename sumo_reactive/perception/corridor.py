@@ -10,11 +10,20 @@ from numpy.typing import NDArray
 
 from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.parameters import CORRIDOR_MARGIN_M
+from sumo_reactive.parameters import CORRIDOR_MARGIN_M, NEAR_M, STANDING_SPEED, TURN_FORESEEN_S
 from sumo_reactive.perception.kept import kept
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
+
+SPEED_GAINED = 2.0
+"""m/s; no command adds more to the ego's speed."""
+
+WIDTHS_M = 5.0
+"""m; no two bodies are wider together."""
+
+BEHIND_SHARE = 0.5
+"""Who is behind the rear axle by this share of the way to him stays behind the ego's middle, however it steers."""
 
 
 class Band(NamedTuple):
@@ -30,11 +39,12 @@ def band_of(curve: Curve, limits: VehicleLimits) -> Band:
 
     In a bend the rear axle cuts the inside and the front bumper swings to the outside.
     """
-    return _band(curve, limits.width, limits.wheelbase, limits.front_overhang)
+    return band_along(curve, limits.width, limits.wheelbase, limits.front_overhang)
 
 
 @kept
-def _band(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
+def band_along(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
+    """Return the corridor of a body of that `width`, `wheelbase` and front `overhang` (m)."""
     half = 0.5 * width
     bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
@@ -111,6 +121,26 @@ def near_boxes(boxes: Array, x: float, y: float, reach: float) -> Array:
 
 
 @kernel
+def touchable(boxes: Array, x: float, y: float, heading: float, speed: float, length: float) -> NDArray[np.int64]:
+    """Return which of `boxes` (n, 7) move and could touch an ego of `length` m within the time that turning is foreseen.
+
+    The ego's rear axle is at (x, y), m. Who is behind it cannot: he has to look out himself.
+    """
+    c, s = math.cos(heading), math.sin(heading)
+    own = length + (speed + SPEED_GAINED) * TURN_FORESEEN_S + WIDTHS_M
+    out = np.empty(len(boxes), dtype=np.int64)
+    n = 0
+    for k in range(len(boxes)):
+        dx, dy = boxes[k, 0] - x, boxes[k, 1] - y
+        away, reach = abs(dx) + abs(dy), own + boxes[k, 4] + boxes[k, 3] * TURN_FORESEEN_S
+        near = away < NEAR_M and dx * dx + dy * dy < reach * reach
+        if near and boxes[k, 3] > STANDING_SPEED and dx * c + dy * s > -BEHIND_SHARE * away:
+            out[n] = k
+            n += 1
+    return out[:n]
+
+
+@kernel
 def blocked_stretches(
     boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
     right: Array, widest: float,
@@ -145,3 +175,14 @@ def blocked_stretches(
                 break
             i += 1
     return out
+
+
+@kernel
+def blocking_ones(
+    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
+    right: Array, widest: float,
+) -> tuple[NDArray[np.int64], Array]:  # fmt: skip
+    """Return which of `boxes` block a stretch (m,), and their rows of `blocked_stretches` (m, 4)."""
+    stretches = blocked_stretches(boxes, cx, cy, ch, step, start, end, left, right, widest)
+    blocking = np.flatnonzero(~np.isnan(stretches[:, 0]))
+    return blocking, stretches[blocking]

@@ -7,20 +7,24 @@ import numpy as np
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Cut
 from sumo_reactive.parameters import CUT_M, CUT_SIGHT_M
-from sumo_reactive.perception.corridor import band_of
+from sumo_reactive.perception.corridor import band_along
 from sumo_reactive.perception.kept import kept
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 
 
-@kept
 def cuts_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Cut, ...]:
     """Return where the body covers lanes beside its own while the front axle follows C, in order along C.
 
     Where C itself leads from lane to lane it cuts into none.
     """
-    curve, band, found = plan.curve, band_of(plan.curve, limits), []
+    return _cuts(plan, graph, limits.width, limits.wheelbase, limits.front_overhang)
+
+
+@kept
+def _cuts(plan: NominalPlan, graph: RoadGraph, width: float, wheelbase: float, overhang: float) -> tuple[Cut, ...]:
+    curve, band, found = plan.curve, band_along(plan.curve, width, wheelbase, overhang), []
     places = np.column_stack((curve.x, curve.y))
     for g in plan.segments:
         first, end = max(int(g.start / curve.step) + 1, 0), min(int(g.end / curve.step), len(curve.x))

@@ -10,6 +10,7 @@ from itertools import accumulate
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.polyline import Polyline
 from sumo_reactive.messages.forecast import Forecast
@@ -73,17 +74,21 @@ def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
     ways = paths_ahead(graph, user.lane_id, user.route[:3])
     if len(ways) != 1:
         return 0.0
-    path = ways[0]
     at = max(user.lane_position - 0.5 * user.body.length, 0.0) / PATH_STEP_M
-    now, then = (_heading_at(path, u) for u in (at, at + user.speed * duration / PATH_STEP_M))
-    return wrapped(then - now) / duration
+    return turn_of(ways[0], at, at + user.speed * duration / PATH_STEP_M) / duration
 
 
+@kernel
+def turn_of(path: Array, start: float, end: float) -> float:
+    """Return by how much (rad) a path turns from `start` to `end`, both in samples."""
+    return wrapped(_heading_at(path, end) - _heading_at(path, start))
+
+
+@kernel
 def _heading_at(path: Array, u: float) -> float:
     """Return the heading (rad) at `u` samples along a path, between the samples next to it."""
     i = min(int(u), len(path) - 2)
-    first = float(path.item(i, 2))
-    return first + min(u - i, 1.0) * wrapped(path.item(i + 1, 2) - first)
+    return float(path[i, 2] + min(u - i, 1.0) * wrapped(path[i + 1, 2] - path[i, 2]))
 
 
 def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,11 +19,10 @@ from sumo_reactive.parameters import (
     ATTENTION_TIME_S,
     NEAR_M,
     PROJECTION_WINDOW_M,
-    STANDING_SPEED,
     TURN_FORESEEN_S,
 )
 from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, lane_sought, watches_of
-from sumo_reactive.perception.corridor import band_of, blocked_stretches, near_boxes
+from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes, touchable
 from sumo_reactive.perception.cuts import next_cut
 from sumo_reactive.perception.foresee import turn_rate
 from sumo_reactive.perception.leaders import leaders
@@ -57,7 +57,7 @@ def perceive(
     """
     s, d = locate(ego, plan, limits, s_before)
     front = s + limits.front_overhang
-    boxes = _boxes(traffic.users, graph, ego)
+    boxes = _boxes(traffic.users, graph, ego, limits)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
     foes = tuple(_foes((*traffic.users, *traffic.beside), plan, graph, sight)) if sight else ()
@@ -72,55 +72,66 @@ def perceive(
     return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
 
 
-def _boxes(users: tuple[RoadUser, ...], graph: RoadGraph, ego: VehicleState) -> Array:
-    if not users:
-        return _NO_BOXES
-    x, y = ego.pose.x, ego.pose.y
+def _boxes(users: tuple[RoadUser, ...], graph: RoadGraph, ego: VehicleState, limits: VehicleLimits) -> Array:
+    """Return the boxes (n, 7) of `users`; who cannot be touched within the foreseen time has no turn rate."""
     flat: list[float] = []
-    for u in users:
-        turns = u.speed > STANDING_SPEED and abs(u.x - x) + abs(u.y - y) < NEAR_M and not u.body.is_person
-        turning = turn_rate(graph, u, TURN_FORESEEN_S) if turns else 0.0
-        flat += (u.x, u.y, u.heading, u.speed, u.body.length, u.body.width, turning)
-    return np.array(flat).reshape(-1, 7)
+    for user in users:
+        body = user.body
+        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width, 0.0)
+    boxes = np.frombuffer(array("d", flat)).reshape(-1, 7) if flat else _NO_BOXES
+    pose = ego.pose
+    for k in touchable(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length).tolist():
+        if not users[k].body.is_person:
+            boxes[k, 6] = turn_rate(graph, users[k], TURN_FORESEEN_S)
+    return boxes
 
 
 def _on_path(
     users: tuple[RoadUser, ...], boxes: Array, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
-) -> Iterator[PathObstacle]:
+) -> list[PathObstacle]:
     curve = plan.curve
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     band = band_of(curve, limits)
-    stretches = blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, *band)
-    for user, (start, end, along, across) in zip(users, stretches.tolist(), strict=True):
-        if start == start:  # not NaN
-            yield PathObstacle(user, start, end, along, across)
+    blocking, stretches = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, *band)
+    if not len(blocking):
+        return []
+    pairs = zip(blocking.tolist(), stretches.tolist(), strict=True)
+    return [PathObstacle(users[k], *stretch) for k, stretch in pairs]
 
 
-def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> Iterator[Foe]:
+def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> list[Foe]:
     tables = [(i, watches_of(graph, plan.passages[i].connection_id)) for i in sight]
+    found: list[Foe] = []
     for user in users:
+        lane_id = user.lane_id
         for i, table in tables:
-            for watch in table.get(user.lane_id, ()):
-                if not user.route or watch.edges == user.route[: len(watch.edges)]:
-                    foe = _foe(user, i, watch)
-                    if foe.to_clear > 0.0:
-                        yield foe
+            if lane_id in table:
+                _add_foes(found, user, i, table[lane_id])
+    return found
 
 
-def _foe(user: RoadUser, passage: int, watch: Watch) -> Foe:
-    region = watch.conflict.region
-    to_line = watch.distance - user.lane_position
-    if not user.body.is_person:
-        to_clear = to_line + region.other.end + user.body.length
-        return Foe(user, passage, watch.conflict, to_line, to_line + region.other.start, to_clear)
-    return _walker(user, passage, watch)
+def _add_foes(found: list[Foe], user: RoadUser, passage: int, watches: tuple[Watch, ...]) -> None:
+    """Add to `found` what a user on a lane with `watches` may do to the ego on a passage."""
+    route, at, (length, _, _, _, is_person) = user.route, user.lane_position, user.body
+    for watch in watches:
+        conflict, distance, edges, start, end = watch
+        if edges and route and edges != route[: len(edges)]:
+            continue
+        to_line = distance - at
+        to_clear = to_line + end + length
+        if is_person:
+            foe = _walker(user, passage, watch)
+            if foe.to_clear > 0.0:
+                found.append(foe)
+        elif to_clear > 0.0:
+            found.append(Foe(user, passage, conflict, to_line, to_line + start, to_clear))
 
 
 def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
     """A pedestrian may walk along the crossing's path or against it, and stand before it."""
     conflict, at = watch.conflict, user.lane_position
     to_step_on = max(-at, at - conflict.other.path.length)
-    start, end = conflict.region.other.start, conflict.region.other.end
+    start, end = watch.start, watch.end
     forward = math.cos(user.heading - conflict.other.path.heading_at(at)) >= 0.0
     to_region, to_clear = (start - at, end - at) if forward else (at - end, at - start)
     return Foe(user, passage, conflict, to_step_on if to_step_on > 0.0 else -1.0, to_region, to_clear)

@@ -9,6 +9,7 @@ from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Cut, Neighbour, Snapshot
 from sumo_reactive.parameters import (
     CREEPING_SPEED,
+    CUT_PATIENCE_S,
     EASY_STOP_DECELERATION,
     FOLLOWER_DECELERATION,
     FOLLOWER_HEADWAY_S,
@@ -42,6 +43,8 @@ class LaneChanging(NamedTuple):
 
 def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     """Return the next lane change if it is time to seek a gap for it."""
+    if not plan.lane_changes:
+        return None
     change = next((c for c in plan.lane_changes if c.end > snapshot.front), None)
     if change is None or change.start <= snapshot.s or change.opens > snapshot.front:
         return None
@@ -57,14 +60,15 @@ def _horizon(snapshot: Snapshot) -> float:
     return max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * snapshot.ego.speed)
 
 
-def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> LaneChanging:
+def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waited: float = 0.0) -> LaneChanging:
     """Begin the change that the route needs as soon as a gap allows; without one, stop where C would begin it.
 
-    Where the body will cut into the lane beside, stop before, unless nobody comes there.
+    Where the body will cut into the lane beside, stop before, unless nobody comes there; the longer the ego has `waited`
+    (s), the smaller a gap it takes.
     """
     change = pending(snapshot, plan)
     if change is None:
-        return LaneChanging() if snapshot.cut is None else _before_cut(snapshot, snapshot.cut, plan, limits)
+        return LaneChanging() if snapshot.cut is None else _before_cut(snapshot, snapshot.cut, plan, limits, waited)
     left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
     urgency = min(1.0, max(0.0, 1.0 - left / pressing))
     blocker = _blocker(snapshot, limits, urgency)
@@ -74,16 +78,18 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> La
     return LaneChanging(stop=stop, slot=_slot(snapshot))
 
 
-def _before_cut(snapshot: Snapshot, cut: Cut, plan: NominalPlan, limits: VehicleLimits) -> LaneChanging:
+def _before_cut(
+    snapshot: Snapshot, cut: Cut, plan: NominalPlan, limits: VehicleLimits, waited: float
+) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
     left, speed = cut.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
         return LaneChanging()
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(cut.start))
-    time = left / max(pace, CREEPING_SPEED)
+    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / CUT_PATIENCE_S, 1.0)
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
-        if not _leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency=0.0):
+        if not _leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
             return LaneChanging(stop=StopAt(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
     return LaneChanging()
 

@@ -84,7 +84,7 @@ def decide(
     overtaking or an escape. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     ways = tuple(crossings(snapshot, plan, ahead))
-    changing = seek_gap(snapshot, plan, limits)
+    changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
     rules, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
     assessment = _assess(snapshot, plan, outlook, rules, limits)
     situation = Situation(

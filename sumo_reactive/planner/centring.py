@@ -44,10 +44,10 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
     most = np.minimum(0.5 * np.abs(rear), np.minimum(room, MAX_CENTRING_M))
     reach = 2 * int(0.5 * limits.wheelbase / CURVE_STEP_M) + 1
     shift = -np.sign(rear) * np.clip(excess, 0.0, np.maximum(minimum_filter1d(most, 2 * reach + 1), 0.0))
-    return moved_aside(line, _eased_in(shift, reach))
+    return moved_aside(line, eased_in(shift, reach))
 
 
-def _eased_in(shift: Floats, reach: int) -> Floats:
+def eased_in(shift: Floats, reach: int) -> Floats:
     """Return `shift` (n,), m, kept up for half of `reach` samples before and behind a bend, and led there within as many."""
     left, right = (maximum_filter1d(np.maximum(side, 0.0), reach) for side in (shift, -shift))
     found = np.asarray(left - right)

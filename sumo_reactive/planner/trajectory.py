@@ -23,6 +23,7 @@ from sumo_reactive.planner.centring import centred
 from sumo_reactive.planner.reference import Piece, Reference
 from sumo_reactive.planner.smoothing import curvature_of, smoothed
 from sumo_reactive.planner.turning import turnable
+from sumo_reactive.planner.waiting import clear_of_waiting
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.vehicle.side_step import QUINTIC_STEP_CURVATURE, side_step_length
 
@@ -74,7 +75,8 @@ def trajectory(
     start = reference.pieces[0].lane.width
     lanes, _ = _met_from(line, front, speed, start, limits)
     left_hand = reference.graph.left_hand
-    line = centred(line, _half_widths(reference.pieces, u), limits, left_hand)
+    half_widths = _half_widths(reference.pieces, u)
+    line = clear_of_waiting(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
     line, blend = _met_from(line, front, speed, start, limits)
     pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2

@@ -11,6 +11,7 @@ from sumo_reactive.errors import ScenarioError, SimulationError
 from sumo_reactive.messages.completed_plan import Intent
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.parameters import STANDING_SPEED, TELEPORT_GUARD_S
+from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.trips import arrival_of
 from sumo_reactive.sumo.units import FREE_EXACT, INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS, limits_of
@@ -29,6 +30,9 @@ _ASK_FOR_ROOM = 513
 
 _BRAKING_TOLERANCE = 0.1
 """m/s²; the ego brakes harder than its type says if it does by more than this."""
+
+_AT_END_M = 0.05
+"""A front this near to the end of its lane, or past it, is at it."""
 
 _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
@@ -59,6 +63,7 @@ class Ego:
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
         self._asks = False
+        self._leaves_by: Lane | None = None
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
     def take_over(self, step_length: float) -> VehicleState:
@@ -94,14 +99,36 @@ class Ego:
         swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
         """
         self._unmapped |= overlooked
+        if lane is not None and not lane.is_internal:
+            self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
         self._keep_in_order()
+        self._keep_connected(x, y)
         libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
         self._warn_of_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
             edge, index, mode = lane.edge_id, lane.index, FREE_EXACT
         libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
+
+    def _keep_connected(self, x: float, y: float) -> None:
+        """Have SUMO see the ego on the lane that C leaves by, where it has it on another lane of the edge though the front,
+        to be at (x, y), passes the end.
+
+        From that other lane SUMO finds no connection to where the ego goes on: it would stop it for a step, for all behind
+        it to see. Where others drive on the lane, it is left at that: who sees the ego appear would brake as hard.
+        """
+        vehicle, lane = libsumo.vehicle, self._leaves_by
+        mapped = vehicle.getLaneID(self.id)
+        if lane is None or mapped == lane.id or mapped.rpartition("_")[0] != lane.edge_id:
+            return
+        ahead = vehicle.getRoute(self.id)[vehicle.getRouteIndex(self.id) + 1 :][:1]
+        if not any(link[0].rpartition("_")[0] in ahead for link in libsumo.lane.getLinks(lane.id)):
+            return  # C is still about to change away from it
+        is_past = lane.spine.project(x, y)[0] > lane.spine.length - _AT_END_M
+        if is_past and all(is_ghost(one) for one in libsumo.lane.getLastStepVehicleIDs(lane.id)):
+            position = min(vehicle.getLanePosition(self.id), libsumo.lane.getLength(lane.id))
+            vehicle.moveTo(self.id, lane.id, position)
 
     def _keep_in_order(self) -> None:
         """Have SUMO sort the ego in anew where it has passed somebody on its lane, as soon as he need not brake for it.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.traffic import RoadUser, Traffic
@@ -42,7 +43,8 @@ class Observer:
         now = sensor.look()
         lights = {light: sensor.letters(light) for light in self._lights}
         static = self._static.near(*plan.curve.at(front)[:2])
-        users = (*self._vehicles(), *self._persons(), *static.users)
+        others = [user for user in sensor.vehicles(self._lanes) if user.id != self._ego_id]
+        users = (*others, *self._persons(), *static.users)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(now, users, lights, sight, static.points, beside)
 
@@ -50,12 +52,11 @@ class Observer:
         """Choose lanes, crossings and lights for the next metres."""
         lanes, crossings = [], []
         for lane_id in lanes_in_sight(graph, plan, front, speed, sight):
-            lane = graph.lanes[lane_id]
-            connection = graph.connection_of.get(lane_id)
-            if connection is not None and connection.is_crossing:
-                crossings.append(_crossing(connection, lane))
+            seen = _seen(graph, lane_id)
+            if isinstance(seen, SeenLane):
+                lanes.append(seen)
             else:
-                lanes.append(SeenLane(lane_id, lane.edge_id, lane.scale, lane.is_internal))
+                crossings.append(seen)
         self._lanes, self._crossings = tuple(lanes), tuple(crossings)
         lights: dict[str, None] = {}
         for index in in_sight(plan, front, speed):
@@ -63,17 +64,19 @@ class Observer:
             lights.update((c.light.light_id, None) for c in junction.connections if c.light)
         self._lights = tuple(lights)
 
-    def _vehicles(self) -> Iterator[RoadUser]:
-        ego_id = self._ego_id
-        for lane in self._lanes:
-            for user in self._sensor.vehicles(lane):
-                if user.id != ego_id:
-                    yield user
-
     def _persons(self) -> Iterator[RoadUser]:
         """Yield who walks over a crossing."""
         for crossing in self._crossings:
             yield from self._sensor.on_crossing(crossing)
+
+
+@lru_cache(maxsize=16384)
+def _seen(graph: RoadGraph, lane_id: str) -> SeenLane | SeenCrossing:
+    """Return what to look at for a lane of the graph."""
+    lane, connection = graph.lanes[lane_id], graph.connection_of.get(lane_id)
+    if connection is not None and connection.is_crossing:
+        return _crossing(connection, lane)
+    return SeenLane(lane_id, lane.edge_id, lane.scale, lane.is_internal)
 
 
 def _crossing(connection: Connection, lane: Lane) -> SeenCrossing:

@@ -83,16 +83,26 @@ class Sensor:
             found = self._letters[light_id] = libsumo.trafficlight.getRedYellowGreenState(light_id)
         return found
 
-    def vehicles(self, lane: SeenLane) -> tuple[RoadUser, ...]:
-        """Return who drives or stands on a lane, stand-ins left out."""
-        found = self._seen.get(lane.lane_id)
-        if found is None:
-            found = self._seen[lane.lane_id] = tuple(self._vehicles(*lane))
+    def vehicles(self, lanes: tuple[SeenLane, ...]) -> list[RoadUser]:
+        """Return who drives or stands on `lanes`, stand-ins left out."""
+        seen, found = self._seen, list[RoadUser]()
+        for lane in lanes:
+            users = seen.get(lane[0])
+            if users is None:
+                users = seen[lane[0]] = self._read(lane)
+            if users:
+                found += users
         return found
 
-    def _vehicles(self, lane_id: str, edge_id: str, scale: float, internal: bool) -> Iterator[RoadUser]:
+    def _read(self, lane: SeenLane) -> tuple[RoadUser, ...]:
+        names = libsumo.lane.getLastStepVehicleIDs(lane.lane_id)
+        return tuple(self._vehicles(names, *lane)) if names else ()
+
+    def _vehicles(
+        self, names: tuple[str, ...], lane_id: str, edge_id: str, scale: float, internal: bool
+    ) -> Iterator[RoadUser]:
         vehicle, known_ones, now = libsumo.vehicle, self._known, self._now
-        for name in libsumo.lane.getLastStepVehicleIDs(lane_id):
+        for name in names:
             known = known_ones.get(name)
             if known is None and is_ghost(name):
                 continue

@@ -40,8 +40,10 @@ def haunt(
     pose, front = ego.pose, limits.front_to_rear_axle
     x, y = pose.x + front * math.cos(pose.heading), pose.y + front * math.sin(pose.heading)
     if plan.aside is None:
-        own = graph.lanes[here.lane_id]  # SUMO maps the ego to no lane where its front swings out of it
-        lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits) if own.reaches(x, y, limits.width) else own
+        own = graph.lanes[here.lane_id]
+        if not own.reaches(x, y, limits.width):
+            return _swung_out(graph, own, ego, limits, edges)
+        lane = lane_to_haunt(graph, plan, here.lane_id, x, y, s, limits)
         if lane is not None:
             return Haunt(lane, x, y, ego.speed, edges)
         lane = cut_lane(graph, plan, here, s, ego.speed, limits, stop)
@@ -56,6 +58,24 @@ def haunt(
     return Haunt(
         lane, pose.x + back * math.cos(pose.heading), pose.y + back * math.sin(pose.heading), 0.0, (lane.edge_id,)
     )
+
+
+def _swung_out(graph: RoadGraph, own: Lane, ego: VehicleState, limits: VehicleLimits, edges: tuple[str, ...]) -> Haunt:
+    """Return where to show an ego whose front has swung out of its `own` lane.
+
+    On its own lane, while SUMO maps it to another of the edge; where it maps it to none, on the one under its middle.
+    """
+    pose, reach = ego.pose, limits.front_to_rear_axle
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
+    x, y = pose.x + reach * c, pose.y + reach * s
+    approach = graph.connection_of[own.id].from_lane if own.is_internal else own.id
+    lanes = graph.edge_lanes[graph.lanes[approach].edge_id]
+    if not any(lane.reaches(x, y, limits.width) for lane in lanes):
+        mx, my = x - 0.5 * limits.length * c, y - 0.5 * limits.length * s
+        under = min(lanes, key=lambda lane: abs(lane.spine.project(mx, my)[1]))
+        if under.reaches(mx, my, limits.width):
+            return Haunt(under, mx, my, ego.speed, edges)
+    return Haunt(own, x, y, ego.speed, edges)
 
 
 def _beside(graph: RoadGraph, lane_id: str, lateral: float) -> Lane | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from kinds import Net, car, cross, driven, edge, node, sort, standing, stream
+from kinds import Net, car, cross, driven, edge, link, node, sort, standing, stream
 
 SIZES = {
     2.2: ("passenger", 0.9),
@@ -47,3 +49,13 @@ def test_at_50_metres_per_second_a_slower_car_is_met(tmp_path, lanes):
 def test_every_step_is_fine_at_a_crossing_with_traffic(tmp_path, step, route):
     both = stream("e", "ec cw", [0, 2, 4, 9, 13, 20]) + stream("w", "wc ce", [0, 5.5, 8, 15, 21])
     assert driven(tmp_path, cross(), car("ego", route, 2), both, step=step).complaints() == []
+
+
+@pytest.mark.parametrize("length", SIZES)
+def test_short_and_long_cars_pass_somebody_who_waits_inside_for_them(tmp_path, length):
+    vehicle_class, width = SIZES[length]
+    size = sort("size", length=length, width=width, vClass=vehicle_class)
+    net = replace(cross(), rules=link("ec cs", contPos=5.5))
+    ahead = stream("ahead", "wc ce", [0, 1.5, 3])
+    run = driven(tmp_path, net, size, car("ego", "wc ce", 4.5, type="size"), ahead, car("waits", "ec cs", 0), until=60)
+    assert run.complaints() == []

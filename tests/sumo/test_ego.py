@@ -76,3 +76,32 @@ def test_the_ego_asks_for_room_only_while_it_seeks_a_gap(tmp_path):
         assert modes == [False, True, True, False]
     finally:
         libsumo.close()
+
+
+def test_an_ego_that_swings_over_the_lane_beside_as_it_turns_keeps_its_speed_for_sumo(tmp_path):
+    """From the end of a lane that does not lead where the ego goes SUMO would stop it for a step."""
+    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(2), "--no-turnarounds")
+    routes = tmp_path / "ego.rou.xml"
+    vehicle = '<vehicle id="ego" depart="0" departLane="1"><route edges="wc cn"/></vehicle>'
+    routes.write_text(f"<routes>{vehicle}</routes>")
+    graph = read_net(net).build(("wc", "cn"))
+    beside, own = graph.lanes["wc_0"].spine, graph.lanes["wc_1"]
+    (turn,) = (c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cn"))
+    inside = graph.lanes[turn.parts[0]]
+    way = [(*beside.at(beside.length + s), own) for s in (-1.5, -1.0, -0.5, 0.0)]
+    way += [(*inside.spine.at(s), inside) for s in (0.5, 1.0)]
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
+    try:
+        libsumo.simulationStep()
+        ego = Ego("ego")
+        ego.take_over(0.1)
+        seen = []
+        for x, y, lane in way:
+            state = VehicleState(pose_of(x, y, 0.0, ego.limits), 5.0, 0.0)
+            ego.place(state, Intent.DRIVE, 0.1, lane)
+            libsumo.simulationStep()
+            seen.append((ego.lane(state), libsumo.vehicle.getSpeed("ego")))
+        assert [lane for lane, _ in seen] == ["wc_0"] * 4 + [inside.id] * 2
+        assert [speed for _, speed in seen] == [5.0] * 6
+    finally:
+        libsumo.close()

@@ -5,10 +5,10 @@ import math
 import pytest
 from net_recipes import converted
 
-from sumo_reactive.messages.state import Pose
+from sumo_reactive.messages.state import Pose, VehicleState
 from sumo_reactive.planner.planner import PlanStart, plan
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.straddling import cut_lane
+from sumo_reactive.sumo.straddling import cut_lane, haunt
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.route import Route
 
@@ -32,3 +32,18 @@ def test_a_bus_is_shown_on_the_inner_lane_of_a_turn_that_it_takes_on_the_outer(t
         seen[lane.id if lane else None] = s
     assert set(seen) == shown
     assert limits is CAR or math.isclose(seen[None], int(found.curve.length) - 11)
+
+
+@pytest.mark.parametrize(("aside", "shown"), [(-3.2, "ab_1"), (-6.5, "ab_0")])
+def test_an_ego_whose_front_has_swung_out_is_shown_where_sumo_does_not_map_it(tmp_path, aside, shown):
+    """SUMO maps it to the lane beside, or, farther out, to none: then to be seen on the lane under its middle."""
+    graph = read_net(converted(tmp_path, NODES, EDGES, "--no-turnarounds")).build(("ab", "bc"))
+    x, y = graph.lanes["ab_1"].spine.at(50.0)
+    start = PlanStart(Pose(x - BUS.front_to_rear_axle, y, 0.0), 5.0, 0.0, 0.0, "ab_1", 50.0, 0)
+    found = plan(graph, Route(("ab", "bc")), "bus", BUS, start)
+    heading, reach = -0.5, BUS.front_to_rear_axle
+    pose = Pose(x - reach * math.cos(heading), y + aside - reach * math.sin(heading), heading)
+    here = next(g for g in found.segments if g.lane_id == "ab_1")
+    seen = haunt(graph, found, here, VehicleState(pose, 2.0, 0.0), 0.0, BUS, ("ab", "bc"))
+    assert seen is not None
+    assert seen.lane.id == shown

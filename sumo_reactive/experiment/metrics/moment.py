@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -97,8 +98,11 @@ def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ..
 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Array:
-    flat = [value for u in users for value in (u.x, u.y, u.heading, u.speed, u.body.length, u.body.width)]
-    return np.array(flat).reshape(-1, 6)
+    flat: list[float] = []
+    for user in users:
+        body = user.body
+        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width)
+    return np.frombuffer(array("d", flat)).reshape(-1, 6)
 
 
 @kernel

@@ -19,7 +19,8 @@ class PilotActivity:
         """Add one step."""
         self._steps += 1
         self._activations += moment.step.pilot
-        self._events.update(event.kind for event in moment.step.events)
+        for event in moment.step.events:
+            self._events[event.kind] += 1
 
     def figures(self) -> Figures:
         """Return the figures; the share (0..1) is None without a step."""
