@@ -42,7 +42,7 @@ class Drive:
     """All that one step hands to the next: the ego, its plan and place on it, the pilot's memory, the executor's map.
 
     `completed` is the plan that the pilot has completed last, in force until an event; `last` is the execution whose
-    command is held until simulation time `held_until` (s).
+    command is held until simulation time `held_until` (s). `d`: how far left of C the front axle is (m; None: to be found).
     """
 
     ego: VehicleState
@@ -53,6 +53,7 @@ class Drive:
     valley: ValleyMap = NO_MAP
     last: Execution | None = None
     held_until: float = -math.inf
+    d: float | None = None
 
 
 class Step(NamedTuple):
@@ -86,23 +87,24 @@ class Controller:
         return step
 
     def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
-        snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class)
+        snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d)
         completed, memory = self._completed(snapshot, traffic, drive)
         held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
-            s = self._place(ego, drive.plan, snapshot.s)
-            return Step(snapshot, completed, execution, replace(drive, ego=ego, s=s, memory=memory, completed=held_plan))
+            s, d = locate(ego, drive.plan, self.limits, snapshot.s)
+            after = replace(drive, ego=ego, s=s, memory=memory, completed=held_plan, d=d)
+            return Step(snapshot, completed, execution, after)
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
         held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
         execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
-        s = self._place(execution.state, drive.plan, snapshot.s)
+        s, d = locate(execution.state, drive.plan, self.limits, snapshot.s)
         until = traffic.time + held
-        after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until)
+        after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after)
 
     def _completed(self, snapshot: Snapshot, traffic: Traffic, drive: Drive) -> tuple[CompletedPlan, PilotMemory]:
@@ -120,9 +122,6 @@ class Controller:
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits)
             completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
         return completed, memory
-
-    def _place(self, ego: VehicleState, plan: NominalPlan, s_before: float) -> float:
-        return locate(ego, plan, self.limits, s_before)[0]
 
     def _ahead(self, snapshot: Snapshot, plan: NominalPlan) -> Ahead:
         ids = ((i, plan.passages[i].connection_id) for i in snapshot.passages)
@@ -158,4 +157,4 @@ def _moved(user: RoadUser, duration: float) -> RoadUser:
 def replanned(drive: Drive, plan: NominalPlan, time: float) -> Drive:
     """Return the drive on a new plan, which begins at the ego's front axle and inherits the delay."""
     late = drive.plan.delay(drive.s, time)
-    return replace(drive, plan=replace(plan, times=plan.times - late), s=0.0, valley=NO_MAP)
+    return replace(drive, plan=replace(plan, times=plan.times - late), s=0.0, valley=NO_MAP, d=None)

@@ -576,6 +576,9 @@ CUT_M = 0.6
 """A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
 0.7 m."""
 
+PLANS_KEPT = 512
+"""What is worked out once for a plan is kept for so many: one for each of several hundred egos."""
+
 CUT_SIGHT_M = 60.0
 """So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +11,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.parameters import CORRIDOR_MARGIN_M, NEAR_M, STANDING_SPEED, TURN_FORESEEN_S
-from sumo_reactive.perception.kept import kept
+from sumo_reactive.parameters import CORRIDOR_MARGIN_M, NEAR_M, PLANS_KEPT, STANDING_SPEED, TURN_FORESEEN_S
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     return band_along(curve, limits.width, limits.wheelbase, limits.front_overhang)
 
 
-@kept
+@lru_cache(maxsize=PLANS_KEPT)
 def band_along(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
     """Return the corridor of a body of that `width`, `wheelbase` and front `overhang` (m)."""
     half = 0.5 * width

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Cut
-from sumo_reactive.parameters import CUT_M, CUT_SIGHT_M
+from sumo_reactive.parameters import CUT_M, CUT_SIGHT_M, PLANS_KEPT
 from sumo_reactive.perception.corridor import band_along
-from sumo_reactive.perception.kept import kept
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
@@ -22,7 +23,7 @@ def cuts_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple
     return _cuts(plan, graph, limits.width, limits.wheelbase, limits.front_overhang)
 
 
-@kept
+@lru_cache(maxsize=PLANS_KEPT)
 def _cuts(plan: NominalPlan, graph: RoadGraph, width: float, wheelbase: float, overhang: float) -> tuple[Cut, ...]:
     curve, band, found = plan.curve, band_along(plan.curve, width, wheelbase, overhang), []
     places = np.column_stack((curve.x, curve.y))

@@ -49,13 +49,14 @@ def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before
 
 def perceive(
     traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float,
-    vehicle_class: str = "passenger",
+    vehicle_class: str = "passenger", d_before: float | None = None,
 ) -> Snapshot:  # fmt: skip
     """Relate `traffic` to the plan: who stands in the corridor, who can reach which region, who drives beside.
 
-    `s_before` is the ego's last known arc length on C (m); its `vehicle_class` tells what is open to it.
+    `s_before` is the ego's last known arc length on C (m); with `d_before`, how far left of C its front axle is (m), it has
+    just been found. Its `vehicle_class` tells what is open to it.
     """
-    s, d = locate(ego, plan, limits, s_before)
+    s, d = locate(ego, plan, limits, s_before) if d_before is None else (s_before, d_before)
     front = s + limits.front_overhang
     boxes = _boxes(traffic.users, graph, ego, limits)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.traffic import NO_POINTS
-from sumo_reactive.parameters import BORDER_STEP_M, STATIC_REACH_M
-from sumo_reactive.perception.kept import kept
+from sumo_reactive.parameters import BORDER_STEP_M, PLANS_KEPT, STATIC_REACH_M
 from sumo_reactive.world.borders import borders
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -43,7 +42,7 @@ def static_within(
     return np.asarray(points[inside])
 
 
-@kept
+@lru_cache(maxsize=PLANS_KEPT)
 def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[list[float], Array]:
     """Return the border points along C: arc lengths (n), ascending, and place (n, 2), m. Junctions have none."""
     parts = [_of_segment(graph, g, vehicle_class) for g in plan.segments if not graph.lanes[g.lane_id].is_internal]
