@@ -38,7 +38,6 @@ from sumo_reactive.sumo.straddling import haunt
 from sumo_reactive.sumo.units import front_of
 from sumo_reactive.world.road_graph import RoadGraph
 
-
 SELDOM = 100_000
 """Objects made and not freed until rubbish is looked for while egos drive."""
 
