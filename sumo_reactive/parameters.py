@@ -476,6 +476,9 @@ TURN_FORESEEN_S = COLLISION_HORIZON_S
 HARD_STOP_MARGIN_M = 0.15
 """Distance to a line that no admissible command gives up; a line that asks late is stopped at so near."""
 
+COARSE_STOP_MARGIN_M = 0.4
+"""The same for nine commands, each held half a second: with less they creep on until it is too late to stop."""
+
 MAX_LATERAL_JERK = 14.0
 """m/s³; bounds φ̇max at road speed. With 8 a car at 30 m/s needed 0.9 s to reverse its steering and wove about C."""
 

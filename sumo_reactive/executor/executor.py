@@ -24,6 +24,7 @@ from sumo_reactive.parameters import (
     BEND_ENTRY_S,
     BEND_SHARE,
     BRAKING_SHARE,
+    COARSE_STOP_MARGIN_M,
     COMFORT_JERK,
     CURVATURE_WINDOW_M,
     EXCESS_GAIN,
@@ -228,11 +229,11 @@ def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, limits:
     return (wrapped(along - back) - ego.steering_angle) / period
 
 
-def room_to_brake(snapshot: Snapshot, completed: CompletedPlan) -> float:
-    """Way (m) within which the hardest braking must stop the front bumper: line, region, and braking leaders."""
+def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = HARD_STOP_MARGIN_M) -> float:
+    """Way (m) in which the hardest braking must stop the front bumper: `margin` m before line or region, behind leaders."""
     room = math.inf
     if completed.stop is not None:
-        room = completed.stop.s - HARD_STOP_MARGIN_M - snapshot.front
+        room = completed.stop.s - margin - snapshot.front
     for leader in snapshot.leaders:
         braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
         room = min(room, _room_behind(leader, snapshot.front) + braking)
@@ -275,7 +276,7 @@ def execute(
         grid = wide_grid(limits)
     planned = limits.service_deceleration if nine_commands else planned_deceleration(limits)
     lowest = min(wanted, ego.speed - planned * period)
-    room = room_to_brake(snapshot, completed)
+    room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
     index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, (wanted, lowest), valley)
     command = Command(
         float(grid.accelerations[index // len(grid.steering_rates)]),
