@@ -81,6 +81,9 @@ MIN_STEP_LATERAL = 0.7
 MAX_START_BLEND_M = 160.0
 """Longest transition from the car's pose: a lane change at 40 m/s."""
 
+MAX_SWING_OUT_M = 0.3
+"""A transition from a pose that heads out of its lane leads at most this much farther out, if the car can turn so soon."""
+
 START_CURVATURE_SHARE = 0.6
 """Share of the car's curvature that the transition to the centre line may use; the road's own bend needs the rest."""
 
@@ -169,6 +172,21 @@ WAITING_LENGTH_M = 5.0
 
 WAITING_WIDTH_M = 1.8
 """…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
+
+ABREAST_M = 2.8
+"""Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
+
+ABREAST_WIDTH_M = 2.5
+"""The widest ordinary body, a truck's or bus's."""
+
+MIN_ABREAST_M = 0.1
+"""Who would be nearer than this beside the ego is not passed, nor let pass."""
+
+NARROW_LEAD_S = 0.5
+"""The ego goes first through a narrow place if its rear is past it so long before the other comes; at 10 m/s it is 5 m."""
+
+NARROW_HEADWAY = 0.5
+"""Share of its time headway that the ego keeps to who is first at a narrow place: he will leave its way again."""
 
 NEAR_M = 45.0
 """Users nearer than this cast U₂ and are tested for contact."""
@@ -323,6 +341,28 @@ NO_PROGRESS_S = 20.0
 MISSED_TURN_S = 25.0
 """An ego that has waited so long at the end of its lane, while traffic keeps passing, looks for another way…"""
 
+QUEUE_HEADWAY_S = 2.0
+"""A queue lets one car after another pass the line at this interval, at saturation."""
+
+TURNER_WAIT_S = 10.0
+"""What somebody in the queue who turns off and has to let others go first adds to the wait: two or three gaps refused."""
+
+TURNERS_FEARED = 2
+"""More of them in one queue are not counted: nobody knows how many go in one gap."""
+
+QUEUE_GAIN_S = 9.0
+"""A queue is left for one that is expected to be shorter by this for each lane change, which costs comfort and may not come
+to pass: less than a red light costs, more than four cars."""
+
+QUEUED_SPEED = 3.0
+"""m/s; who is slower than this before the line is in the queue."""
+
+HEAD_STANDS_S = 2.0
+"""The head of a queue that stands for less while it may go is about to start; for longer, it waits for something else."""
+
+SWING_OUT_M = 6.0
+"""Room behind somebody who stands that a car needs to leave the lane past him; HALTED_ROOM_M is what it keeps if it can."""
+
 QUEUE_PATIENCE_S = 90.0
 """…and one that waits beside a queue, or farther back, after this long: a light's cycle."""
 
@@ -423,6 +463,33 @@ BACK_UP_CLEAR_M = 2.0
 BACK_UP_SPEED = 1.0
 """m/s; walking speed."""
 
+MOVE_SPEED = 2.0
+"""m/s; how fast the moves of a turn are driven where the road is too narrow for one sweep…"""
+
+MOVE_BACK_SPEED = 1.5
+"""m/s; …and how fast those backwards."""
+
+MOVE_CHANGE_S = 3.0
+"""What changing between forwards and backwards takes, with the wheels turned from lock to lock, s."""
+
+MOVE_SIGHT_M = 0.8
+"""A move goes on while the ego's body touches nobody this far beyond where it could stop."""
+
+MOVE_END_M = 0.04
+"""A move is over when less of its way is left."""
+
+WHEELS_TURNED_RAD = 0.03
+"""A move begins when the wheels are this near to its steering angle."""
+
+TURNAROUND_REACHED_M = 1.5
+"""An ego that stands this near to where it turns round begins."""
+
+TURNAROUND_LEAD_M = 30.0
+"""A turn's sweep is tried from this far before it to this far behind it, more than a car needs to swing out and back."""
+
+TURNAROUNDS_KEPT = 1024
+"""Turns that are worked out once are kept for so many connections."""
+
 FALL_BACK_BY = 4.0
 """m/s; so much slower than X the ego drops back beside it."""
 
@@ -521,7 +588,10 @@ BEND_SHARE = 0.9
 """Share of the largest lateral acceleration that a bend may take which comes too soon for the comfortable one."""
 
 BEND_ENTRY_S = 0.5
-"""s; what a bend asks for nearer than this is not braked for harder than planned: it comes too late to help."""
+"""s; what a bend asks for nearer than this is braked for harder than planned only if the car would be carried off C…"""
+
+BEND_ROOM_M = 0.7
+"""…by more than this: a car of 1.8 m in the middle of a lane of 3.2 m leaves it."""
 
 
 # --- control step -----------------------------------------------------------------------------------------------------

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid, wide_grid
 from sumo_reactive.executor.field import ADMISSIBLE, NO_COMMAND, choose_command
+from sumo_reactive.executor.moves import moved_on
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap
-from sumo_reactive.executor.velocity import cruise_speed
+from sumo_reactive.executor.velocity import carried_out, cruise_speed
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.messages.completed_plan import CompletedPlan
 from sumo_reactive.messages.decision import Instruction
@@ -22,6 +23,7 @@ from sumo_reactive.messages.state import Command, VehicleState
 from sumo_reactive.parameters import (
     BACK_UP_SPEED,
     BEND_ENTRY_S,
+    BEND_ROOM_M,
     BEND_SHARE,
     BRAKING_SHARE,
     COARSE_STOP_MARGIN_M,
@@ -47,6 +49,8 @@ Array = NDArray[np.float64]
 
 HARDER_BY = 1e-3
 """m/s²; rounding."""
+SLIGHTLY_M = (0.1, 0.03)
+"""Carried off C this much farther is not worth an emergency; what an emergency goes on for."""
 
 
 class Potentials(NamedTuple):
@@ -56,6 +60,10 @@ class Potentials(NamedTuple):
     valley: float
     shadow: float
     velocity: float
+
+
+NO_POTENTIALS = Potentials(0.0, 0.0, 0.0, 0.0)
+"""Of a command that no field has chosen."""
 
 
 class Execution(NamedTuple):
@@ -105,7 +113,8 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     comfort = min(limits.comfort_deceleration * profile.deceleration, planned_deceleration(limits))
     easing = _easing(snapshot, completed, limits, comfort)
     free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
-    wish = Wish(max(free, speed - easing.rate * period), easing.is_pressing, BEND if easing.is_emergency else "")
+    eased = speed - easing.rate * period  # carried off C, it must be slower than C asks for, to come back to it
+    wish = Wish(eased, True, BEND) if easing.is_emergency else Wish(max(free, eased), easing.is_pressing)
     headway = limits.time_headway * profile.headway
     if completed.stop is not None:
         away = completed.stop.s - STOP_LINE_MARGIN_M - front
@@ -153,10 +162,12 @@ def _braking(
 
 def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> _Braking:
     """Return the braking towards the road's speed: comfortable, harder where the ego is too fast for it, an emergency where
-    planned braking would not hold the bend ahead."""
+    planned braking would not hold the bend ahead or the one that it is in."""
     speed, road, planned = snapshot.ego.speed, completed.plan.road_speed(snapshot.s), planned_deceleration(limits)
-    if speed * speed * limits.comfort_deceleration > road * road * planned:
-        needed = _braking_for_bend(snapshot, completed, limits)
+    is_off = abs(snapshot.d) > BEND_ROOM_M
+    if is_off or speed * speed * limits.comfort_deceleration > road * road * planned:
+        ahead = _braking_for_bend(snapshot, completed, limits)
+        needed = _braking_in_bend(snapshot, completed, limits, max(ahead, planned))
         if needed > planned:
             return _Braking(needed, is_pressing=True, is_emergency=True)
     return _Braking(min(comfort + EXCESS_GAIN * max(speed - road - SPEED_SLACK, 0.0), planned))
@@ -166,7 +177,7 @@ def _braking_for_bend(snapshot: Snapshot, completed: CompletedPlan, limits: Vehi
     """Return the deceleration (m/s²) that the tightest bend within the planned way to stop needs."""
     curve, speed = completed.plan.curve, snapshot.ego.speed
     window = max(int(CURVATURE_WINDOW_M / curve.step), 1)
-    near = BEND_ENTRY_S * speed
+    near = max(BEND_ENTRY_S * speed, curve.step)
     first = int((snapshot.s + near) / curve.step)
     reach = int(speed * speed / (2.0 * planned_deceleration(limits)) / curve.step) + window
     bends = np.abs(curve.curvature[first : first + reach + 1])
@@ -177,6 +188,20 @@ def _braking_for_bend(snapshot: Snapshot, completed: CompletedPlan, limits: Vehi
     way = near + curve.step * np.arange(len(bends))
     needed = (speed * speed - lateral / np.maximum(bends, 1e-6)) / (2.0 * way)
     return float(min(max(needed.max(), 0.0), limits.emergency_deceleration))
+
+
+def _braking_in_bend(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, least: float) -> float:
+    """Return the deceleration (m/s²), `least` or harder, with which the ego is carried off C no farther than BEND_ROOM_M or
+    than it is; the emergency's where none is enough."""
+    curve, ego, planned = completed.plan.curve, snapshot.ego, planned_deceleration(limits)
+    error = wrapped(ego.pose.heading + ego.steering_angle - curve.at(snapshot.s)[2])
+    lateral = BEND_SHARE * limits.max_lateral_acceleration
+    held = max(BEND_ROOM_M, abs(snapshot.d) + SLIGHTLY_M[ego.acceleration < -planned - HARDER_BY])
+    for rate in (least, 0.5 * (least + limits.emergency_deceleration)):
+        away = carried_out(curve.curvature, curve.step, snapshot.s, snapshot.d, error, ego.speed, rate, lateral)
+        if away <= held:
+            return rate
+    return limits.emergency_deceleration
 
 
 def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
@@ -262,6 +287,10 @@ def execute(
     """
     if completed.instruction is Instruction.BACK_UP:
         return back_up(snapshot, completed, limits, period)
+    if completed.move is not None:
+        calm = limits.max_acceleration * completed.tuning.profile.acceleration
+        command, state = moved_on(snapshot, completed.move, calm, limits, period)
+        return Execution(command, state, state.speed, NO_POTENTIALS, emergency=False)
     ego = snapshot.ego
     wish = desired_speed(snapshot, completed, limits, period)
     wanted = _without_jerk(wish, ego, period)
@@ -336,4 +365,4 @@ def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits,
     rate = max(-limits.max_steering_rate, min(limits.max_steering_rate, steering))
     command = Command((wanted - ego.speed) / period, rate)
     state = advance(ego, command, limits.wheelbase, period, lowest=-BACK_UP_SPEED)
-    return Execution(command, state, wanted, Potentials(0.0, 0.0, 0.0, 0.0), emergency=False)
+    return Execution(command, state, wanted, NO_POTENTIALS, emergency=False)

@@ -15,7 +15,7 @@ import numpy as np
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
 from sumo_reactive.errors import PlanError
 from sumo_reactive.experiment.rerouting import WayRound, way_round
-from sumo_reactive.messages.completed_plan import Replanning
+from sumo_reactive.messages.completed_plan import Replanning, Request
 from sumo_reactive.messages.decision import Reason
 from sumo_reactive.messages.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
@@ -34,7 +34,7 @@ from sumo_reactive.sumo.overlooked import overlooked
 from sumo_reactive.sumo.route_window import RouteWindow
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.straddling import haunt
+from sumo_reactive.sumo.straddling import Haunt, haunt, left_behind
 from sumo_reactive.sumo.units import front_of
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -173,13 +173,20 @@ class Trip:
         lane = graph.lanes[here.lane_id] if drive.plan.aside is None else None
         self.ego.place(drive.ego, step.completed.intent, self.step_length, lane, here.lane_id in self._overlooked)
         self.ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
-        edges = self._route.edges[here.route_index :]
-        stop = step.completed.stop.s if step.completed.stop else math.inf
-        shown = haunt(graph, drive.plan, here, drive.ego, drive.s, self.ego.limits, edges, stop)
+        shown = self._shown(step, here)
         if shown is None:
             self.ghosts.hide()
         else:
             self.ghosts.show(*shown)
+
+    def _shown(self, step: Step, here: LaneSegment) -> Haunt | None:
+        """Return where to show the ego besides."""
+        drive, graph, edges, limits = step.drive, self.graph, self._route.edges, self.ego.limits
+        if drive.memory.move is not None:
+            turn = drive.plan.turnarounds[drive.memory.move[0]]
+            return left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.route_index - 1 :])
+        stop = step.completed.stop.s if step.completed.stop else math.inf
+        return haunt(graph, drive.plan, here, drive.ego, drive.s, limits, edges[here.route_index :], stop)
 
     def _planned(self, step: Step) -> Drive:
         """Return the drive, on a new plan where the pilot asks for one, C runs out or the ego has left it."""
@@ -188,12 +195,12 @@ class Trip:
             return self._rerouted(drive, way)
         wanted = asked.what is Replanning.CURVE
         runs_out = plan_now.goal is None and plan_now.curve.length - drive.s < PLAN_RESERVE_M
-        if not wanted and not runs_out and abs(step.snapshot.d) < OFF_CURVE_M:
+        if not wanted and (step.completed.move or (not runs_out and abs(step.snapshot.d) < OFF_CURVE_M)):
             return drive
         aside = asked.aside if wanted else plan_now.aside
         if aside is not None:
             aside = replace(aside, back=aside.back - drive.s, until=aside.until - drive.s)
-        start = self._start(drive, self._front(drive))
+        start = self._start_onto(drive, asked) if asked.onto else self._start(drive, self._front(drive))
         try:
             return replanned(drive, self._plan(start, asked.change_lane, aside), self._session.time)
         except PlanError:  # carried past the last place to change lanes
@@ -237,6 +244,13 @@ class Trip:
             ego.pose, ego.speed, ego.steering_angle, self._session.time,
             here.lane_id, position, here.route_index, self.ego.speed_factor,
         )  # fmt: skip
+
+    def _start_onto(self, drive: Drive, asked: Request) -> PlanStart:
+        """Return the start on the lane that the car has turned into."""
+        x, y = front_of(drive.ego.pose, self.ego.limits)
+        position = self.graph.lanes[asked.onto].spine.project(x, y)[0]
+        start = self._start(drive, self._front(drive))
+        return replace(start, lane_id=asked.onto, lane_position=position, route_index=asked.route_index)
 
     def _plan(self, start: PlanStart, change_now: int = 0, aside: Aside | None = None) -> NominalPlan:
         graph, ego = self._controller.graph, self.ego

@@ -9,7 +9,7 @@ from enum import Enum
 from sumo_reactive.messages.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, RegionState, StopAt
 from sumo_reactive.messages.event import Event
-from sumo_reactive.messages.plan import Aside, NominalPlan, TimeConstraint
+from sumo_reactive.messages.plan import Aside, Move, NominalPlan, TimeConstraint
 
 
 class Intent(Enum):
@@ -63,11 +63,14 @@ class Replanning(Enum):
 @dataclass(frozen=True, slots=True)
 class Request:
     """What the pilot asks of the planner, once. A new curve begins a lane change (`change_lane` +1 left, −1 right, 0 none)
-    or leads `aside`, its places in m of the present C."""
+    or leads `aside`, its places in m of the present C, or begins on lane `onto` that the car has turned into, its edge at
+    `route_index`."""
 
     what: Replanning = Replanning.NOTHING
     change_lane: int = 0
     aside: Aside | None = None
+    onto: str = ""
+    route_index: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +80,7 @@ class CompletedPlan:
     `time_constraints` are the adjusted (l, t_l) ahead; `stop` the nearest place to stop at; `slot` the vehicle on the
     other lane to fall in behind, which bounds the desired speed but no safety; `sight` (m) asks perception to look so far
     ahead along the oncoming lane. `events` activated the pilot, `assessment` is what it foresaw, `regions` the conflict
-    regions on the way: all as of its last activation.
+    regions on the way: all as of its last activation. `move`: the arc to drive instead of C, in a turn in several moves.
     """
 
     plan: NominalPlan
@@ -94,6 +97,7 @@ class CompletedPlan:
     assessment: Assessment = NOT_ASSESSED
     events: tuple[Event, ...] = ()
     regions: tuple[RegionState, ...] = ()
+    move: Move | None = None
 
     def held(self) -> CompletedPlan:
         """Return the plan as it stays in force until the next event: what it asked for once is not asked again."""

@@ -27,6 +27,7 @@ class Instruction(Enum):
     RETURN = "return to C"
     FALL_BACK = "fall back and return to C"
     BACK_UP = "back up at walking speed"
+    TURN_ROUND = "turn round, forwards and backwards by turns"
     WIDEN = "search more commands"
 
 
@@ -45,9 +46,11 @@ class Reason(Enum):
     EXIT_BLOCKED = "there is no room behind the region"
     SCHEDULED_STOP = "the route has a stop here"
     NO_GAP = "no gap on the lane that the route needs"
+    HELD_UP = "the queue ahead is held up, and a lane beside leads on as well"
     BLOCKED = "the way is blocked"
     SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"
     GAP_LOST = "the gap to pass is lost"
+    NARROW_TURN = "the road is too narrow to turn round in one sweep"
     FOLLOWS = "somebody slower is ahead"
     NO_ROOM_TO_PASS = "somebody ahead is slow or has halted, and there is no gap to pass"
     NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"

@@ -25,6 +25,7 @@ class EventKind(Enum):
     TIME_REACHED = "a time that the instruction named is reached"
     FORECAST_EXPIRED = "the forecast of the others is too old to rely on"
     NO_PROGRESS = "no progress, though nobody has the right to block the ego"
+    MOVE_ENDED = "a move of a turn is over"
     PROGRESS = "the ego gets on again after an escape"
 
 

@@ -7,6 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.messages.plan import WayBeside
+from sumo_reactive.messages.snapshot import Neighbour
+from sumo_reactive.messages.traffic import RoadUser
+
 
 class Forecast(NamedTuple):
     """One path for each way that a road user may take, k in all.
@@ -38,14 +42,37 @@ class LaneBeside(NamedTuple):
     is_oncoming: bool
 
 
+class Queued(NamedTuple):
+    """A road user before the ego, its front `ahead` m before the ego's. `yields`: it turns off by a way on which it has to
+    let traffic from a road go first that the ego need not wait for."""
+
+    user: RoadUser
+    ahead: float
+    yields: bool
+
+
+class Queue(NamedTuple):
+    """Who is before the ego on lane `lane_id` up to the end of the junction behind it, the farthest first.
+
+    `way` leads there from the ego's lane (None: it is the ego's own); then `near` are those whom a change must leave a gap.
+    """
+
+    lane_id: str
+    users: tuple[Queued, ...]
+    way: WayBeside | None = None
+    near: tuple[Neighbour, ...] = ()
+
+
 class Outlook(NamedTuple):
     """What the pilot asks perception for when an event has activated it.
 
     `forecast` of the others; `beside`: the lanes to which the ego might move aside; `lane_width` of its own (m);
-    `sight` (m): how far ahead along C the oncoming traffic was looked at.
+    `sight` (m): how far ahead along C the oncoming traffic was looked at; `queues`: the one that the ego is in, and those on
+    the lanes beside by which it could go as well, if there are such lanes and somebody slow is ahead.
     """
 
     forecast: Forecast
     beside: tuple[LaneBeside, ...]
     lane_width: float
     sight: float
+    queues: tuple[Queue, ...] = ()

@@ -6,13 +6,17 @@ the front axle follows C, the front bumper is ahead of it by the front overhang.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.curve import Curve
 from sumo_reactive.geometry.polyline import eased
+from sumo_reactive.messages.state import VehicleState
+from sumo_reactive.parameters import MOVE_END_M, STANDING_SPEED, WHEELS_TURNED_RAD
 from sumo_reactive.world.route import ScheduledStop
 
 
@@ -70,6 +74,20 @@ class LaneChange:
 
 
 @dataclass(frozen=True, slots=True)
+class WayBeside:
+    """From `from_lane` of C, where C changes no lane, the route can as well be driven by `to_lane` beside it, on `side` (+1
+    left, −1 right), with no change back on this road.
+
+    `cost`: that of the change, and of the later ones that it adds or saves, in lane changes.
+    """
+
+    from_lane: str
+    to_lane: str
+    side: int
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
 class PlannedStop:
     """A scheduled halt on C: the front bumper at `s`."""
 
@@ -94,6 +112,48 @@ def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.asarray(aside.lateral * (1.0 - eased(t)))
 
 
+@dataclass(frozen=True, slots=True)
+class Move:
+    """An arc of a turn in several moves: forwards (`gear` 1) or backwards (−1), wheels at `steering_angle` (rad), which
+    turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad). After the last one C leads on."""
+
+    gear: int
+    steering_angle: float
+    bend: float
+    until: float
+    is_last: bool = False
+
+    def left(self, heading: float) -> float:
+        """Return the way left of the arc, m, at the car's `heading` (rad); negative where it has turned too far."""
+        return self.gear * wrapped(self.until - heading) / self.bend
+
+    def is_over(self, ego: VehicleState) -> bool:
+        """Whether the car stands at the end, after the last move with its wheels straight."""
+        is_there = self.left(ego.pose.heading) < MOVE_END_M and abs(ego.speed) < STANDING_SPEED
+        return is_there and (not self.is_last or abs(ego.steering_angle) < WHEELS_TURNED_RAD)
+
+
+@dataclass(frozen=True, slots=True)
+class Turnaround:
+    """C leads back beside the way it came, too tightly for the car: it turns in several `moves`, the first from a stand with
+    its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, past `end`, whose edge
+    is the route's at `route_index`, and take about `duration` s."""
+
+    start: float
+    line: float
+    end: float
+    from_lane: str
+    to_lane: str
+    route_index: int
+    moves: tuple[Move, ...]
+    duration: float
+
+    @property
+    def pace(self) -> float:
+        """The speed along C that takes as long as the moves, m/s."""
+        return (self.end - self.line) / self.duration
+
+
 @dataclass(frozen=True, eq=False)
 class NominalPlan:
     """P = (C, {(l, t_l)}) with what the map says along C.
@@ -102,7 +162,8 @@ class NominalPlan:
     arc length where the front bumper has arrived, or None when the plan ends before the route does. `times` (n,) is when
     the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
     planned. `aside`: C leaves the lane's centre to pass somebody. `missed`: C begins a new route, since the turn to this
-    edge was missed (empty: it does not).
+    edge was missed (empty: it does not). `ways_beside`: other lanes that do as well, by route index.
+    `turnarounds`: where the car turns in several moves.
     """
 
     curve: Curve
@@ -117,6 +178,8 @@ class NominalPlan:
     joins: float = 0.0
     aside: Aside | None = None
     missed: str = ""
+    ways_beside: Mapping[int, tuple[WayBeside, ...]] = field(default_factory=dict)
+    turnarounds: tuple[Turnaround, ...] = ()
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""

@@ -9,12 +9,13 @@ from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S, SLOW_SHARE
 from sumo_reactive.perception.beside import lanes_beside
 from sumo_reactive.perception.foresee import foresee
+from sumo_reactive.perception.queues import queues
 from sumo_reactive.world.road_graph import RoadGraph
 
 
 def outlook(traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph) -> Outlook:
-    """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), and the lanes
-    beside it if there is anybody to pass."""
+    """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), the lanes
+    beside it and the queues there if there is anybody to pass."""
     front = snapshot.front
     users, duration = (traffic.users, OVERTAKING_S) if traffic.sight > 0.0 else (_concerned(snapshot), ASSESSED_S)
     slow = SLOW_SHARE * plan.road_speed(snapshot.s)
@@ -22,7 +23,8 @@ def outlook(traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: Road
     beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M)) if passing else ()
     here = next((segment for segment in plan.segments if front < segment.end), None)
     width = graph.lanes[here.lane_id].width if here else 0.0
-    return Outlook(foresee(graph, users, duration), beside, width, max(traffic.sight, ATTENTION_MIN_AHEAD_M))
+    waiting = queues(traffic, snapshot, plan, here, graph) if passing and here is not None else ()
+    return Outlook(foresee(graph, users, duration), beside, width, max(traffic.sight, ATTENTION_MIN_AHEAD_M), waiting)
 
 
 def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:

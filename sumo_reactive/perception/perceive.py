@@ -21,6 +21,7 @@ from sumo_reactive.parameters import (
     PROJECTION_WINDOW_M,
     TURN_FORESEEN_S,
 )
+from sumo_reactive.perception.abreast import ahead_at_narrows, narrows_of
 from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, lane_sought, watches_of
 from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes, touchable
 from sumo_reactive.perception.cuts import next_cut
@@ -68,7 +69,11 @@ def perceive(
     neighbours = tuple(_neighbours(traffic.users, beside, graph, ego, limits)) if beside else ()
     near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
+    narrows = narrows_of(plan, graph, limits)
     behind = tuple(leaders(on_path, front, ego.speed, limits))
+    if narrows:
+        near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
+        behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
     lights = traffic.lights
     return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
 

@@ -125,6 +125,8 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
         yield Event(EventKind.DELAY)
     if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
         yield Event(EventKind.NO_PROGRESS)
+    if held.move is not None and held.move.is_over(snapshot.ego):
+        yield Event(EventKind.MOVE_ENDED)
     if memory.escapes == 0 and held.instruction is Instruction.WIDEN:
         yield Event(EventKind.PROGRESS)
 

@@ -114,6 +114,6 @@ def nearest(waits: tuple[Wait, ...]) -> StopAt | None:
 
 def decision_of(stop: StopAt) -> Decision:
     """Return the decision that a stop stands for."""
-    at_location = stop.reason in (Reason.SCHEDULED_STOP, Reason.NO_GAP, Reason.BLOCKED)
+    at_location = stop.reason in (Reason.SCHEDULED_STOP, Reason.NO_GAP, Reason.HELD_UP, Reason.BLOCKED)
     behaviour = Behaviour.STOPPING if at_location else Behaviour.CAUTIOUS
     return Decision(behaviour, stop.reason, stop.region, stop.cause)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sumo_reactive.messages.decision import Reason, StopAt
+from sumo_reactive.messages.decision import Decision, Reason, StopAt
 from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Cut, Neighbour, Snapshot
 from sumo_reactive.parameters import (
@@ -33,12 +33,13 @@ class LaneChanging(NamedTuple):
     """What to do about the next lane change.
 
     Begin it now to `side` (0: not now), stop at the latest by `stop`, and meanwhile stay behind `slot`, the vehicle on
-    the other lane that the ego will follow.
+    the other lane that the ego will follow. `why`: the reason for a change that the route does not need.
     """
 
     side: int = 0
     stop: StopAt | None = None
     slot: str = ""
+    why: Decision | None = None
 
 
 def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
@@ -89,7 +90,7 @@ def _before_cut(
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / CUT_PATIENCE_S, 1.0)
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
-        if not _leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
+        if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
             return LaneChanging(stop=StopAt(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
     return LaneChanging()
 
@@ -113,12 +114,12 @@ def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool
 def _blocker(snapshot: Snapshot, limits: VehicleLimits, urgency: float) -> str:
     """Return who leaves no gap on the other lane; empty when the gap is free."""
     for neighbour in snapshot.neighbours:
-        if not _leaves_gap(neighbour, snapshot.ego.speed, limits, urgency):
+        if not leaves_gap(neighbour, snapshot.ego.speed, limits, urgency):
             return neighbour.user.id
     return ""
 
 
-def _leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgency: float) -> bool:
+def leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgency: float) -> bool:
     """Whether the one ahead need not be braked for, and the one behind need not brake hard.
 
     `urgency` (0..1) trades comfort for the change.

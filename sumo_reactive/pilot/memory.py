@@ -47,7 +47,9 @@ class PilotMemory(NamedTuple):
     `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `constraints` the adjusted
     (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
     place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
-    to change lanes (None: it does not).
+    to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
+    since when (s). `move`: which of the
+    plan's turns in several moves is under way, and which of its moves (None: none is).
     """
 
     standing_since: float | None = None
@@ -64,6 +66,8 @@ class PilotMemory(NamedTuple):
     progress_time: float = 0.0
     escapes: int = 0
     waiting_since: float | None = None
+    released: tuple[str, float] = ("", 0.0)
+    move: tuple[int, int] | None = None
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

@@ -44,4 +44,5 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         first = max(0, int(max(passage.start - connection.hold_back, snapshot.s) / plan.curve.step))
         last = max(first + 1, int(passage.end / plan.curve.step) + 1)
         pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
-        yield Crossing(index, passage, connection, scale, max(pace, 1.0))
+        turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
+        yield Crossing(index, passage, connection, scale, turn.pace if turn is not None else max(pace, 1.0))

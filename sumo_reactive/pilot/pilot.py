@@ -13,11 +13,12 @@ from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.forecast import Outlook
 from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
 from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.parameters import OVERTAKING_SIGHT_M, PROGRESS_M, STANDING_SPEED
+from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, OVERTAKING_SIGHT_M, PROGRESS_M, STANDING_SPEED
 from sumo_reactive.pilot.assessment import assess
 from sumo_reactive.pilot.behaviours import overtaking
 from sumo_reactive.pilot.escape import escape, room_behind
 from sumo_reactive.pilot.events import premises_of
+from sumo_reactive.pilot.held_up import leave_queue, released
 from sumo_reactive.pilot.highway_code import Rules, ask, decision_of, nearest
 from sumo_reactive.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.pilot.lane_changing import LaneChanging, seek_gap
@@ -27,6 +28,7 @@ from sumo_reactive.pilot.passages import Ahead, crossings
 from sumo_reactive.pilot.schedule import Delays, adjusted
 from sumo_reactive.pilot.situation import Situation
 from sumo_reactive.pilot.transitions import RULES, next_behaviour
+from sumo_reactive.pilot.turning_round import Turning, place_to_begin, turn_round
 from sumo_reactive.vehicle.limits import VehicleLimits
 
 _UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
@@ -84,23 +86,31 @@ def decide(
     overtaking or an escape. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     ways = tuple(crossings(snapshot, plan, ahead))
+    memory = memory._replace(released=released(snapshot, ways, memory))
     changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
+    if changing == LaneChanging():
+        changing = leave_queue(snapshot, plan, outlook, ways, memory, limits)
     rules, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
     assessment = _assess(snapshot, plan, outlook, rules, limits)
     situation = Situation(
         snapshot, plan, limits, memory, events, ahead, ways, nearest(rules.stops), assessment, outlook
     )
-    situation, rules = _with_room(situation, rules)
+    turning = turn_round(snapshot, plan, situation.stop, memory)
+    situation, rules = _with_turn(*_with_room(situation, rules))
     memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
     situation = situation._replace(memory=memory)
     situation = situation._replace(proof=overtaking.try_out(situation))
     behaviour = next_behaviour(situation)
     orders = _ordered(situation, behaviour, rules, changing)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
+    if turning is not None:
+        orders = _turning(orders, turning, snapshot)
     constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
         orders = orders._replace(request=Request(asks))
     completed = _completed(situation, behaviour, orders, constraints, rules, changing.slot, style)
+    if turning is not None:
+        completed = replace(completed, move=turning.move)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(snapshot, plan, ahead, is_watchful=watchful, is_settled=settled)
@@ -125,15 +135,40 @@ def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     return situation._replace(stop=room), rules._replace(stops=(*rules.stops, (room, decision_of(room))))
 
 
+def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
+    """Return both with the stop before a turn in several moves."""
+    stop = place_to_begin(situation.snapshot, situation.plan, situation.memory)
+    if stop is None or (situation.stop is not None and situation.stop.s < stop.s):
+        return situation, rules
+    if stop.s - situation.snapshot.front < CAUTIOUS_AHEAD_M:  # worth a word
+        rules = rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))
+    return situation._replace(stop=stop), rules
+
+
+def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
+    """Return the orders with those of a turn in several moves: nothing but others' bodies stops it."""
+    return orders._replace(
+        instruction=Instruction.TURN_ROUND if turning.move is not None else orders.instruction,
+        stop=None,
+        request=turning.request,
+        decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),
+        memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=snapshot.time),
+    )
+
+
 def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing: LaneChanging) -> Orders:
     """Return the orders that follow from the behaviour alone."""
     return Orders(
         instruction=RULES[behaviour].instruction(situation),
         stop=situation.stop,
         request=_request(situation, changing),
-        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation)),
+        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation), *_why(changing)),
         memory=situation.memory._replace(overtaking=None),
     )
+
+
+def _why(changing: LaneChanging) -> tuple[Decision, ...]:
+    return () if changing.why is None else (changing.why,)
 
 
 def _request(situation: Situation, changing: LaneChanging) -> Request:

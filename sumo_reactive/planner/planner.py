@@ -9,18 +9,23 @@ import numpy as np
 
 from sumo_reactive.errors import PlanError
 from sumo_reactive.geometry.polyline import Polyline
-from sumo_reactive.messages.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop
+from sumo_reactive.messages.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.messages.state import Pose
-from sumo_reactive.parameters import CURVE_STEP_M, PLAN_HORIZON_M
+from sumo_reactive.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
 from sumo_reactive.planner.lane_choice import LaneChoice, choose_lanes, may_change
 from sumo_reactive.planner.lane_path import lane_path
 from sumo_reactive.planner.reference import Reference
 from sumo_reactive.planner.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.planner.trajectory import Trajectory, lane_limits, trajectory
+from sumo_reactive.planner.turnaround import turn_in_moves
+from sumo_reactive.planner.ways_beside import ways_beside
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 from sumo_reactive.world.route import Route
+
+LATE_M = 0.3
+"""A car past the place where a turn in several moves begins by more than this turns in one sweep."""
 
 PROJECTION_REACH_M = 15.0
 """The front axle is looked for this far around its stated lane position."""
@@ -79,9 +84,28 @@ def plan(
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
-    front = start.front_axle(limits.wheelbase)
-    course = trajectory(reference, front, start.speed, start.speed_factor, limits, aside, start.steering_angle)
-    return _on_curve(reference, course, limits, start, left, aside)
+    turns = _turns(reference, route, limits)
+    front, stretches = start.front_axle(limits.wheelbase), [(turn.start, turn.end) for turn in turns]
+    course = trajectory(reference, front, start.speed, start.speed_factor, limits, aside, start.steering_angle, stretches)
+    nominal = _on_curve(reference, course, limits, start, left, aside, turns)
+    return replace(nominal, ways_beside=ways_beside(choice, nominal.segments))
+
+
+def _turns(reference: Reference, route: Route, limits: VehicleLimits) -> list[Turnaround]:
+    """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
+    found = []
+    for connection, began, ended in reference.passages:
+        turn = turn_in_moves(reference.graph, connection.id, limits)
+        if turn is not None and began - turn.before - STOP_LINE_MARGIN_M > limits.front_overhang - LATE_M:
+            index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, _index_of(reference, began))
+            lanes, way = (connection.from_lane, connection.to_lane), (began - turn.before, began, ended)
+            found.append(Turnaround(*way, *lanes, index, turn.moves, turn.duration))
+    return found
+
+
+def _index_of(reference: Reference, u: float) -> int:
+    """Return the index in the route of the edge at reference arc length `u`, m, or of the one before a junction there."""
+    return [piece for piece in reference.pieces if piece.u <= u][-1].route_index
 
 
 def _reference(
@@ -132,11 +156,15 @@ def _on_curve(
     start: PlanStart,
     left: LeftLane | None,
     aside: Aside | None,
+    turns: list[Turnaround],
 ) -> NominalPlan:
     """Return the plan: the reference's places carried over to C, its speeds and times."""
     curve, s = course.curve, course.s
     arc = CURVE_STEP_M * np.arange(len(curve.x), dtype=np.float64)
     pace = lane_limits(reference.pieces, course.reference_at(arc), start.speed_factor)
+    turnarounds = tuple(replace(turn, start=s(turn.start), line=s(turn.line), end=s(turn.end)) for turn in turns)
+    for turn in turnarounds:
+        pace[(turn.line < arc) & (arc < turn.end)] = turn.pace
     envelope = speed_envelope(curve, pace, limits)
     passages = tuple(Passage(c.id, c.junction_id, s(a), s(b)) for c, a, b in reference.passages)
     stops = tuple(PlannedStop(s(u), stop) for stop, u in reference.stops)
@@ -156,6 +184,7 @@ def _on_curve(
         times=times,
         joins=course.blend_end,
         aside=None if aside is None else replace(aside, back=s(aside.back), until=s(aside.until)),
+        turnarounds=turnarounds,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ from sumo_reactive.messages.plan import Aside, lateral_of
 from sumo_reactive.parameters import (
     CURVE_STEP_M,
     MAX_START_BLEND_M,
+    MAX_SWING_OUT_M,
+    MIN_START_BLEND_M,
     MIN_STEP_LATERAL,
     PLAN_HORIZON_M,
 )
@@ -25,7 +28,7 @@ from sumo_reactive.planner.smoothing import curvature_of, smoothed
 from sumo_reactive.planner.turning import turnable
 from sumo_reactive.planner.waiting import clear_of_waiting
 from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.vehicle.side_step import QUINTIC_STEP_CURVATURE, side_step_length
+from sumo_reactive.vehicle.side_step import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
 
 Floats = NDArray[np.float64]
 
@@ -62,10 +65,12 @@ def trajectory(
     limits: VehicleLimits,
     aside: Aside | None = None,
     steering_angle: float = 0.0,
+    in_moves: Sequence[tuple[float, float]] = (),
 ) -> Trajectory:
     """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference.
 
-    `aside` leads it beside the reference for a while. `steering_angle` (rad) is the car's at the start.
+    `aside` leads it beside the reference for a while. `steering_angle` (rad) is the car's at the start. `in_moves`: from
+    where to where (m of the reference) the car turns in moves, so that C need not be steered.
     """
     centre = _centre_line(reference)
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
@@ -81,7 +86,8 @@ def trajectory(
     pace = lane_limits(reference.pieces, u, speed_factor)
     comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
-    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand)
+    kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
+    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
     feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
@@ -126,14 +132,41 @@ def _met_from(
     direction = math.atan2(ahead[1], ahead[0])
     offset = np.array([x, y]) - line[0]
     turn = np.array([math.cos(heading), math.sin(heading)]) - ahead / max(float(np.hypot(*ahead)), 1e-9)
-    error = abs(wrapped(heading - direction))
+    error = wrapped(heading - direction)
     away = float(np.hypot(*offset))
-    length = max(side_step_length(away, error, speed, width, limits), _length_in_bend(line, away, speed, limits))
+    length = max(side_step_length(away, abs(error), speed, width, limits), _length_in_bend(line, away, speed, limits))
+    aside = float(ahead[0] * offset[1] - ahead[1] * offset[0]) / max(float(np.hypot(*ahead)), 1e-9)
     length = min(length, (len(line) - 1) * CURVE_STEP_M)
-    t = np.minimum(np.arange(len(line)) * CURVE_STEP_M / length, 1.0)[:, None]
-    place = 1.0 - eased(t)
-    slope = t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2)
-    return line + offset * place + turn * length * slope, length
+    turning = _turning_length(length, aside, error, speed, width, limits)
+    at = (np.arange(len(line)) * CURVE_STEP_M)[:, None]
+    back, turned = (np.minimum(at / reach, 1.0) for reach in (length, turning))
+    return line + offset * (1.0 - eased(back)) + turn * turning * _led_out(turned), length
+
+
+def _led_out(t: Floats) -> Floats:
+    """Return how far aside (n,), in lengths, a quintic of unit length leads at `t` (n,) from slope 1 to slope 0."""
+    return np.asarray(t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2))
+
+
+def _turning_length(
+    length: float, aside: float, error: float, speed: float, width: float, limits: VehicleLimits
+) -> float:
+    """Return the length (m) in which a car `aside` m to the left of its line takes out its heading `error` (rad, left).
+
+    It is that of the whole transition, `length`, unless this would lead the car out of its lane, `width` m wide, or farther
+    out than it is: then it turns sooner, as tightly as it can.
+    """
+    t = np.linspace(0.0, 1.0, 41)
+    held = max(0.5 * (width - limits.width), abs(aside) + MAX_SWING_OUT_M)
+    most = min(limits.max_curvature, limits.max_lateral_acceleration / max(speed, 1.0) ** 2)
+    shortest = max(QUINTIC_TURN_CURVATURE * abs(error) / most, MIN_START_BLEND_M)
+    back, turning = aside * (1.0 - eased(t)), length
+    while turning > shortest:
+        led = back + error * turning * _led_out(np.minimum(t * length / turning, 1.0))
+        if float(np.abs(led).max()) <= held:
+            return turning
+        turning = max(0.9 * turning, shortest)
+    return turning
 
 
 def _length_in_bend(line: Points, offset: float, speed: float, limits: VehicleLimits) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,11 @@ SWING_M = 0.5
 """In another turn the middle of the front bumper may pass this far from the line on the side of oncoming traffic…"""
 SWING_WEIGHT = 2.0
 """…and farther at this cost, in metres of deviation per metre."""
+LEAVING_M, MOST_LEAVING_M = 1.3, 2.4
+"""On the other side it may be this far and half the car's width away, at most MOST_LEAVING_M: a body 2.5 m wide whose front
+is 2.85 m from the centre of a lane of 3.2 m is off it…"""
+LEAVING_WEIGHT = 6.0
+"""…and farther at this cost."""
 JOINT_WEIGHT = 100.0
 """Cost of missing the place or heading where the turn must end, per metre or radian."""
 DAMPING = 1e-3
@@ -44,21 +50,24 @@ SETTLED = 2e-3
 @dataclass(frozen=True)
 class Body:
     """What of a car matters for a turn: wheelbase and front overhang (m), largest steering angle (rad) that C may ask for,
-    and on which side oncoming traffic is (`oncoming`: 1 left, −1 right)."""
+    on which side oncoming traffic is (`oncoming`: 1 left, −1 right), and how far from the middle of its lane its front
+    begins to leave the road (`leaving`, m)."""
 
     wheelbase: float
     overhang: float
     most: float
     oncoming: int
+    leaving: float
 
 
 def turnable(
-    points: Points, line: Points, bend: Floats, limits: VehicleLimits, steering_angle: float = 0.0, left_hand: bool = False
-) -> tuple[Points, Floats]:
+    points: Points, line: Points, bend: Floats, limits: VehicleLimits, steering_angle: float = 0.0, left_hand: bool = False,
+    kept: Sequence[slice] = (),
+) -> tuple[Points, Floats]:  # fmt: skip
     """Return `points` (n, 2) with turns that ask for more than the car's largest steering angle refitted near `line` (n, 2).
 
-    `bend` is the curvature (n,) of `points`, `steering_angle` (rad) the car's at the first. The second result (n,) is the
-    index on `line` of each point, not whole where a turn was refitted.
+    `bend` is the curvature (n,) of `points`, `steering_angle` (rad) the car's at the first; turns that touch what is `kept`
+    stay as they are. The second result (n,) is the index on `line` of each point, not whole where a turn was refitted.
     """
     index = np.arange(len(points), dtype=np.float64)
     result, most = points.copy(), STEERING_MARGIN * limits.max_steering_angle
@@ -67,13 +76,14 @@ def turnable(
     ways = np.diff(points, axis=0)
     headings, steps = np.unwrap(np.arctan2(ways[:, 1], ways[:, 0])), np.hypot(*ways.T)
     angles = steering_along(headings, steps, limits.wheelbase, steering_angle)
-    body = Body(limits.wheelbase, limits.front_overhang, most, -1 if left_hand else 1)
+    leaving = min(LEAVING_M + 0.5 * limits.width, MOST_LEAVING_M)
+    body = Body(limits.wheelbase, limits.front_overhang, most, -1 if left_hand else 1, leaving)
     reach = int(TURN_REACH / limits.max_curvature / CURVE_STEP_M)
     wide = maximum_filter1d(np.append(np.abs(angles), 0.0) > most, 2 * reach + 1).astype(np.int8)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], wide, [0]))))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         part = slice(int(first), int(end))
-        if end - first < 8:
+        if end - first < 8 or any(one.start < end and first < one.stop for one in kept):
             continue
         result[part] = _refitted(points[part], line[part], body, float(angles[first]))
         index[part] = first + _nearest(result[part], line[part])
@@ -170,7 +180,8 @@ def _deviation(places: Points, line: Points, headings: Floats, step: float) -> t
 def _swing(
     places: Points, line: Points, headings: Floats, step: float, angles: Floats, rows: Floats, body: Body
 ) -> tuple[Floats, Floats]:
-    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out beyond SWING_M to oncoming traffic.
+    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out beyond SWING_M to oncoming traffic, and
+    off the road to the other side.
 
     `angles` (m − 1,), rad, with Jacobian `rows` are the steering angles: the bumper is ahead of the front axle by the
     overhang along the body, which is turned from the way of the axle by them.
@@ -181,8 +192,9 @@ def _swing(
     turned = np.eye(len(headings), len(headings) + 1) - rows
     moved = (normal * np.column_stack([-ways[:, 1], ways[:, 0]])).sum(axis=1)[:, None] * turned
     moved += np.einsum("ik,kij->ij", normal, _place_jacobian(headings, step, places))
-    weight = np.where(aside * body.oncoming > 0.0, SWING_WEIGHT * math.sqrt(step), 0.0)
-    return _beyond(aside, moved, np.full(len(aside), SWING_M), weight)
+    is_oncoming = aside * body.oncoming > 0.0
+    weight = np.where(is_oncoming, SWING_WEIGHT, LEAVING_WEIGHT) * math.sqrt(step)
+    return _beyond(aside, moved, np.where(is_oncoming, SWING_M, body.leaving), weight)
 
 
 def _aside(places: Points, line: Points) -> tuple[Floats, Points]:

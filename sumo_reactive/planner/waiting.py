@@ -1,5 +1,5 @@
-"""Room for those who wait inside a junction: where a waiting place reaches into the way of the body, C gives way, since who
-waits there lets the ego pass and cannot move."""
+"""Room for those who wait inside a junction, and for those who drive abreast through it: where their bodies would reach into
+the way of the ego's, C gives way, since who waits there cannot move, and who drives there does not look."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from scipy.ndimage import maximum_filter1d
 
 from sumo_reactive.geometry.polyline import Points, moved_aside
 from sumo_reactive.parameters import CORRIDOR_MARGIN_M, CURVE_STEP_M, WAITING_LENGTH_M, WAITING_WIDTH_M
+from sumo_reactive.planner.abreast import ABREAST_REACH_M, keep_abreast
 from sumo_reactive.planner.centring import BEYOND_M, LEAST_M, eased_in
 from sumo_reactive.planner.reference import Reference
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.abreast import abreast_of
 from sumo_reactive.world.junction import Connection
 
 Floats = NDArray[np.float64]
@@ -31,7 +33,8 @@ END_POINTS = 3
 
 
 def clear_of_waiting(line: Points, half_widths: Floats, reference: Reference, limits: VehicleLimits) -> Points:
-    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions.
+    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or be
+    abreast of the ego's there.
 
     `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
     """
@@ -45,6 +48,8 @@ def clear_of_waiting(line: Points, half_widths: Floats, reference: Reference, li
         for other in junction.connections:
             if _may_be_met(connection, other):
                 _give_way(shift[first:last], line[first : last + 1], _waiting(other), limits)
+        reach = min(last + int(ABREAST_REACH_M / CURVE_STEP_M), len(line))
+        keep_abreast(shift[first:reach], line[first:reach], abreast_of(reference.graph, connection.id), limits)
     if not shift.any():
         return line
     reach = 2 * int(0.5 * limits.wheelbase / CURVE_STEP_M) + 1

@@ -25,6 +25,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.TIME_REACHED: "the time that the instruction named is reached",
     EventKind.FORECAST_EXPIRED: "the forecast of the others is too old to rely on",
     EventKind.NO_PROGRESS: "the ego does not get on, though nobody has the right to block it",
+    EventKind.MOVE_ENDED: "a move of the turn is over",
     EventKind.PROGRESS: "the ego gets on again",
 }
 """What happened; the causes follow in brackets."""
@@ -58,6 +59,7 @@ INSTRUCTIONS: dict[Instruction, str] = {
     Instruction.RETURN: "returns to C",
     Instruction.FALL_BACK: "falls back and returns to C",
     Instruction.BACK_UP: "backs up at walking speed",
+    Instruction.TURN_ROUND: "turns round, forwards and backwards by turns",
     Instruction.WIDEN: "searches more commands",
 }
 """What the ego is told to do."""
@@ -122,6 +124,10 @@ REASONS: dict[Reason, Wording] = {
         "stops where it has to change to lane {region}, since {cause} leaves no gap there",
         "changes to lane {region} beside {cause}",
     ),
+    Reason.HELD_UP: Wording(
+        "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
+        "changes to lane {region}, since {cause} holds up the queue ahead",
+    ),
     Reason.BLOCKED: Wording(
         "is blocked by {cause}",
         "goes on although {cause} blocks the way",
@@ -133,6 +139,10 @@ REASONS: dict[Reason, Wording] = {
     Reason.GAP_LOST: Wording(
         "gives up passing, since {cause} takes the gap",
         "goes on passing although {cause} takes the gap",
+    ),
+    Reason.NARROW_TURN: Wording(
+        "stops to turn round, since the road is too narrow for one sweep",
+        "turns round in {cause}, since the road is too narrow for one sweep",
     ),
     Reason.FOLLOWS: Wording(
         "keeps behind {cause}",

@@ -176,7 +176,7 @@ class Ego:
             return _NUDGE_SPEED
         if intent is Intent.GO_NEXT:
             return _GO_NEXT_SPEED
-        return 0.0 if intent is Intent.YIELD else speed
+        return 0.0 if intent is Intent.YIELD else max(speed, 0.0)
 
     def _warn_of_braking(self, braking: float) -> None:
         """Let those behind expect the hardest braking (m/s²) while the ego brakes harder than its type says, and else what

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sumo_reactive.messages.plan import LaneSegment, NominalPlan
+from sumo_reactive.messages.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.messages.state import VehicleState
-from sumo_reactive.parameters import CUT_SEEN_S, STRADDLE_M
+from sumo_reactive.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
 from sumo_reactive.perception.cuts import cuts_of, lane_at_side
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
+
+LEAVING_M = 0.4
+"""A front this far beside the middle of its lane begins to leave it."""
 
 
 class Haunt(NamedTuple):
@@ -58,6 +61,19 @@ def haunt(
     return Haunt(
         lane, pose.x + back * math.cos(pose.heading), pose.y + back * math.sin(pose.heading), 0.0, (lane.edge_id,)
     )
+
+
+def left_behind(
+    graph: RoadGraph, plan: NominalPlan, turn: Turnaround, ego: VehicleState, limits: VehicleLimits, edges: tuple[str, ...]
+) -> Haunt | None:
+    """Return where to show an ego that turns round in several moves: where it began, so that those behind leave it the room
+    to back up; None: it is still in the middle of that lane. `edges`: its route from there on."""
+    pose, reach, own = ego.pose, limits.front_to_rear_axle, graph.lanes[turn.from_lane]
+    x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
+    if abs(own.spine.project(x, y)[1]) < LEAVING_M:
+        return None
+    place = plan.curve.at(turn.start - STOP_LINE_MARGIN_M)
+    return Haunt(own, place[0], place[1], 0.0, edges)
 
 
 def _swung_out(graph: RoadGraph, own: Lane, ego: VehicleState, limits: VehicleLimits, edges: tuple[str, ...]) -> Haunt:

@@ -238,3 +238,18 @@ def test_a_lower_speed_limit_is_never_an_emergency():
     execution = braked(20.0, plan=plan_along(straight(), 8.0))
     assert not execution.emergency
     assert execution.state.acceleration >= -PLANNED_DECELERATION - 1e-9
+
+
+def test_a_car_too_fast_for_the_bend_that_it_stands_in_brakes_hard_and_stays_near_its_lane():
+    """A bend by 0.2 rad within 5 m at 23 m/s, which 4 m/s² sideways do not hold."""
+    plan = plan_along(turning([10.0, 5.0, 200.0], [0.0, 0.04, 0.0]), 25.0)
+    trace = list(driven(plan, on_curve(plan.curve, 10.0, 23.0), lambda _: asked(plan), 4.0))
+    assert trace[0][1].hazard == BEND
+    assert max(abs(snapshot.d) for snapshot, _ in trace) < 2.0
+    assert not any(execution.emergency for _, execution in trace[12:])
+
+
+def test_a_bend_that_carries_the_car_less_than_its_free_room_out_is_no_emergency():
+    plan = plan_along(turning([10.0, 5.0, 200.0], [0.0, 0.012, 0.0]), 25.0)
+    trace = list(driven(plan, on_curve(plan.curve, 10.0, 20.0), lambda _: asked(plan), 4.0))
+    assert not any(execution.emergency for _, execution in trace)

@@ -1,10 +1,11 @@
 """U₃ and the speed that a time constraint asks for (F&L 1991, §3.3.3)."""
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.executor.velocity import cruise_speed, velocity_potential
+from sumo_reactive.executor.velocity import carried_out, cruise_speed, velocity_potential
 
 
 def covered(speed: float, cruise: float, acceleration: float, time: float) -> float:
@@ -36,3 +37,16 @@ def test_the_cruising_speed_never_exceeds_the_top_speed(speed, distance, time, t
 def test_without_enough_time_the_car_goes_as_fast_as_it_may():
     assert cruise_speed(5.0, 100.0, 0.0, 13.9, 2.0) == 13.9
     assert cruise_speed(0.0, 100.0, 3.0, 13.9, 2.0) == 13.9
+
+
+@given(st.floats(5.0, 30.0), st.floats(0.02, 0.3))
+def test_a_car_that_heads_off_a_straight_line_is_carried_as_far_as_its_tightest_arc(speed, error):
+    tightest = speed**2 / 4.0
+    away = carried_out(np.zeros(2000), 0.05, 0.0, 0.0, error, speed, 0.0, 4.0)
+    assert away == pytest.approx(tightest * (1.0 - np.cos(error)), rel=0.1, abs=0.05)
+
+
+@given(st.floats(-1.0, 1.0), st.floats(0.0, 20.0), st.floats(0.0, 9.0))
+def test_a_car_that_heads_back_to_a_line_is_not_carried_out(d, speed, deceleration):
+    error = -np.sign(d) * 0.02
+    assert carried_out(np.zeros(100), 0.5, 0.0, d, error, speed, deceleration, 4.0) <= 0.3

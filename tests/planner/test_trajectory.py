@@ -104,10 +104,10 @@ def test_a_long_body_stays_in_its_lane_in_a_wide_bend(side: int, left_hand: bool
     assert np.array_equal(centred(line, np.full(len(line), 1.6), CAR, left_hand), line)
 
 
-@pytest.mark.parametrize("length", [7.0, 12.0])
-def test_a_u_turn_between_lanes_side_by_side_can_be_steered(length: float) -> None:
-    a, b = road("a", [(0, 0), (100, 0)]), road("b", [(100, 3.2), (0, 3.2)])
-    world = graph([a, b], [("a_0", "b_0")], {"a_0": [(101.2, 0.6), (101.2, 2.6)]})
+@pytest.mark.parametrize(("length", "apart"), [(7.0, 11.0), (12.0, 3.2), (12.0, 14.0)])
+def test_a_u_turn_that_takes_no_moves_can_be_steered(length: float, apart: float) -> None:
+    a, b = road("a", [(0, 0), (100, 0)]), road("b", [(100, apart), (0, apart)])
+    world = graph([a, b], [("a_0", "b_0")], {"a_0": [(101.2, 0.6), (101.2, apart - 0.6)]})
     van = replace(BUS, length=length, wheelbase=0.6 * length, front_overhang=0.18 * length)
     found = plan(world, AB, "passenger", van, start_on(world.lanes["a_0"], 20.0))
     assert steering(found, van) <= van.max_steering_angle + 0.02
@@ -191,3 +191,41 @@ def test_lanes_shorter_than_a_metre_are_driven_over() -> None:
     found = plan(world, Route(("a", "b", "c")), "passenger", CAR, start_on(world.lanes["b_0"], 0.1, route_index=1))
     assert [s.lane_id for s in found.segments] == ["b_0", ":J1_0", "c_0"]
     assert np.abs(found.curve.curvature).max() < 0.01
+
+
+def led_out(speed: float, offset: float, error: float) -> tuple[float, float]:
+    """Return how far out (m) C leads and its largest curvature (1/m) where a car is `offset` m beside the lane's centre
+    and heads `error` rad farther out."""
+    world = graph([road("a", [(0, 0), (400, 0)], speed=25.0)], [])
+    start = start_on(world.lanes["a_0"], 60.0, speed, offset)
+    pose = replace(start.pose, heading=error, y=offset - CAR.wheelbase * math.sin(error))
+    found = plan(world, Route(("a",)), "passenger", CAR, replace(start, pose=pose)).curve
+    return float(np.abs(found.y).max()), float(np.abs(found.curvature).max())
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("speed", [5.0, 15.0, 22.0])
+def test_a_car_that_heads_out_of_its_lane_is_led_back_as_soon_as_it_can_turn(speed: float, side: int) -> None:
+    """At 22 m/s, 0.09 rad take 0.5 m at 4 m/s² sideways; a transition in comfort led 1.5 m out."""
+    farthest, curvature = led_out(speed, side * 1.5, side * 0.09)
+    assert farthest < 1.5 + 0.7
+    assert curvature * speed**2 < 1.3 * CAR.max_lateral_acceleration
+
+
+def test_a_car_that_heads_a_little_out_in_its_lane_is_led_back_in_comfort() -> None:
+    farthest, curvature = led_out(22.0, 0.1, 0.02)
+    assert farthest < 0.7
+    assert curvature * 22.0**2 < CAR.comfort_lateral_acceleration
+
+
+@pytest.mark.parametrize(("degrees", "radius"), [(90.0, 3.0), (90.0, 6.0), (120.0, 10.0)])
+def test_a_long_body_keeps_its_front_on_the_road_in_a_left_turn(degrees: float, radius: float) -> None:
+    """Half of a lane of 3.2 m and half of a width of 2.5 m beside its lane it would be off it."""
+    angle = math.radians(degrees)
+    end = 60.0 + radius * math.sin(angle), radius * (1.0 - math.cos(angle))
+    behind = end[0] + 60.0 * math.cos(angle), end[1] + 60.0 * math.sin(angle)
+    bend = [(60.0 + radius * math.sin(t), radius * (1.0 - math.cos(t))) for t in np.linspace(0.0, angle, 7)[1:-1]]
+    world = graph([road("a", [(0, 0), (60, 0)]), road("b", [end, behind])], [("a_0", "b_0")], {"a_0": bend})
+    found = plan(world, AB, "passenger", TRAILER, start_on(world.lanes["a_0"], 20.0))
+    line = Polyline(joined([world.lanes[lane].spine.points for lane in ("a_0", ":J0_0", "b_0")]))
+    assert min(line.project(x, y)[1] for x, y in bumper(found, TRAILER).points[20:-40]) > -2.85

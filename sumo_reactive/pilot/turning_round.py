@@ -1,0 +1,64 @@
+"""Turning round in several moves, where the road is too narrow for one sweep."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sumo_reactive.messages.completed_plan import Replanning, Request
+from sumo_reactive.messages.decision import Behaviour, Decision, Reason, StopAt
+from sumo_reactive.messages.plan import Move, NominalPlan, Turnaround
+from sumo_reactive.messages.snapshot import Snapshot
+from sumo_reactive.parameters import STANDING_SPEED, TURNAROUND_REACHED_M
+from sumo_reactive.pilot.memory import PilotMemory
+
+
+class Turning(NamedTuple):
+    """What a turn asks for: the move to drive (None: none is left), why, what of the planner; and the memory of it."""
+
+    move: Move | None
+    decision: Decision
+    request: Request
+    memory: PilotMemory
+
+
+def place_to_begin(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> StopAt | None:
+    """Return where to stop for the next turn in several moves; None: there is none, or it is under way."""
+    number = None if memory.move is not None else _next(snapshot, plan)
+    return None if number is None else StopAt(plan.turnarounds[number].start, Reason.NARROW_TURN)
+
+
+def turn_round(snapshot: Snapshot, plan: NominalPlan, stop: StopAt | None, memory: PilotMemory) -> Turning | None:
+    """Return what the turn under way asks for, or one that begins now; None: the ego does not turn round.
+
+    It begins when the ego stands where it is to begin, and nothing keeps it from passing: `stop` is the nearest other place
+    to stop at.
+    """
+    if memory.move is None:
+        number = _next(snapshot, plan)
+        if number is None or not _may_begin(snapshot, plan.turnarounds[number], stop):
+            return None
+        return _driven(plan, number, 0, memory)
+    turn, move = memory.move
+    moves = plan.turnarounds[turn].moves
+    return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)
+
+
+def _next(snapshot: Snapshot, plan: NominalPlan) -> int | None:
+    """Return the number of the next turn in several moves."""
+    return next((k for k, turn in enumerate(plan.turnarounds) if snapshot.front < turn.end), None)
+
+
+def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: StopAt | None) -> bool:
+    if snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
+        return False
+    return stop is None or stop.s > turn.end
+
+
+def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> Turning:
+    """Return the orders for a move of a turn, or for what comes after the last one: a curve from the lane turned into."""
+    turn = plan.turnarounds[number]
+    decision = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
+    if move < len(turn.moves):
+        return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
+    after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
+    return Turning(None, decision, after, memory._replace(move=None))

@@ -1,0 +1,253 @@
+"""Turning round where the road is too narrow for one sweep: forwards and backwards by turns, wheels at full lock."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.compilation import kernel
+from sumo_reactive.geometry.polyline import Polyline
+from sumo_reactive.messages.plan import Move
+from sumo_reactive.parameters import (
+    CURVE_STEP_M,
+    MOVE_CHANGE_S,
+    MOVE_SPEED,
+    STEERING_MARGIN,
+    STOP_LINE_MARGIN_M,
+    TURNAROUND_LEAD_M,
+    TURNAROUNDS_KEPT,
+)
+from sumo_reactive.planner.reference import Reference
+from sumo_reactive.planner.trajectory import trajectory
+from sumo_reactive.planner.turning import U_TURN_RAD, steering_along
+from sumo_reactive.vehicle.bicycle import advance_pose
+from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.junction import Connection
+from sumo_reactive.world.lane import Lane
+from sumo_reactive.world.road_graph import RoadGraph
+
+Floats = NDArray[np.float64]
+
+STEP_M = 0.15
+"""Poses on an arc are looked at this far apart."""
+LONGEST = 90
+"""Most poses of an arc, that is 13.5 m: half a circle of a car."""
+SWEEP_SPEED = 3.0
+"""m/s; how fast a tight turn is approached when its sweep is tried."""
+ATTEMPTS = ((3, 0.0, 0.0), (3, 1.0, 0.0), (5, 0.0, 0.0), (7, 1.0, 0.0), (7, 1.0, 0.6))
+"""Most moves; how far the middles of the bumpers may leave the road, as a share of half the car's width without SPARE_M; and
+how much farther the rear one, m. The wheels stay on it, and three moves are preferred to five."""
+SPARE_M = 0.25
+"""A front that leaves the road by half the car's width is off it; a turn stays clear of that by this much."""
+BEGINNINGS_M = (0.0, 1.5, 3.5, 5.5)
+"""How far before the end of its lane the turn may begin."""
+SHARES = (1.0, 0.6)
+"""A move ends where the road does, or after so much of that way."""
+LOCKS = (1.0, 0.8, 0.6, 0.4)
+"""Shares of the full lock with which the last move may be driven."""
+INTO_LANE_M = 0.4
+"""The front axle ends the turn this near to the middle of its lane."""
+MOST_TRIED = 500
+"""Moves that are tried until a turn is given up."""
+SAME_M, SAME_RAD = 0.4, 0.08
+"""Poses that differ by less are one."""
+
+
+class Turn(NamedTuple):
+    """A turn in `moves` from a stand with the front bumper `before` m before the end of the lane; it takes `duration` s."""
+
+    before: float
+    moves: tuple[Move, ...]
+    duration: float
+
+
+class _Pose(NamedTuple):
+    """Place of the rear axle (m, m) and heading (rad)."""
+
+    x: float
+    y: float
+    heading: float
+
+
+def ground_of(lanes: Sequence[Lane], x: float, y: float) -> Floats:
+    """Return the road that `lanes` cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to (x, y) with half their
+    width, (k, 5), m."""
+    chains = [lane.spine.points for lane in lanes]
+    half = np.concatenate([np.full(len(c) - 1, 0.5 * lane.width) for c, lane in zip(chains, lanes, strict=True)])
+    ground = np.column_stack((np.vstack([c[:-1] for c in chains]), np.vstack([c[1:] for c in chains]), half))
+    near = [_beyond(segment[None], x, y) < TURNAROUND_LEAD_M for segment in ground]
+    return ground[near]
+
+
+@kernel
+def _beyond(ground: Floats, x: float, y: float) -> float:
+    """Return how far off the `ground` (k, 5) a place is, m; negative on it."""
+    least = math.inf
+    for k in range(len(ground)):
+        wx, wy = ground[k, 2] - ground[k, 0], ground[k, 3] - ground[k, 1]
+        ox, oy = x - ground[k, 0], y - ground[k, 1]
+        share = min(max((ox * wx + oy * wy) / max(wx * wx + wy * wy, 1e-9), 0.0), 1.0)
+        least = min(least, math.hypot(ox - share * wx, oy - share * wy) - ground[k, 4])
+    return least
+
+
+@kernel
+def _arc(
+    x: float, y: float, heading: float, gear: int, angle: float, wheelbase: float, ahead: float, behind: float,
+    ground: Floats, front_beyond: float, rear_beyond: float,
+) -> Floats:  # fmt: skip
+    """Return the poses (n, 3), STEP_M apart, that follow with the wheels at `angle` (rad) as long as the bumpers, `ahead`
+    and `behind` m from the rear axle, leave the `ground` (k, 5) by no more than is allowed (m)."""
+    found = np.empty((LONGEST, 3))
+    for k in range(LONGEST):
+        px, py, ph = advance_pose(x, y, heading, gear * STEP_M * (k + 1), angle, wheelbase, 1.0)
+        c, s = math.cos(ph), math.sin(ph)
+        if _beyond(ground, px + ahead * c, py + ahead * s) > front_beyond:
+            return found[:k]
+        if _beyond(ground, px - behind * c, py - behind * s) > rear_beyond:
+            return found[:k]
+        found[k] = px, py, ph
+    return found
+
+
+class _Task(NamedTuple):
+    """Where to turn: on what ground (k, 5), how far beyond it with front and rear (m), into what lane, up to which heading
+    (rad), to which side (1: left)."""
+
+    ground: Floats
+    beyond: tuple[float, float]
+    into: Polyline
+    until: float
+    side: int
+    limits: VehicleLimits
+
+    def arc(self, pose: _Pose, gear: int, angle: float) -> Floats:
+        """Return the poses (n, 3) that follow `pose` in `gear` with the wheels at `angle`, as long as they are allowed."""
+        own = self.limits
+        return _arc(*pose, gear, angle, own.wheelbase, own.front_to_rear_axle, own.rear_overhang, self.ground, *self.beyond)
+
+    def move(self, gear: int, angle: float, until: float, *, is_last: bool = False) -> Move:
+        """Return the move in `gear` with the wheels at `angle` up to heading `until`."""
+        return Move(gear, angle, math.sin(angle) / self.limits.wheelbase, until, is_last)
+
+    def turned(self, arc: Floats) -> int:
+        """Return how many of an arc's poses it takes to turn to the end; too many, where they do not."""
+        return int(np.searchsorted(self.side * arc[:, 2], self.side * self.until)) + 1
+
+    def ends_in_lane(self, pose: _Pose) -> bool:
+        """Whether the front axle is in the lane to turn into."""
+        reach = self.limits.wheelbase
+        x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
+        return bool(abs(self.into.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
+
+
+@lru_cache(maxsize=TURNAROUNDS_KEPT)
+def turn_in_moves(graph: RoadGraph, connection_id: str, limits: VehicleLimits) -> Turn | None:
+    """Return how the car turns round on a connection in several moves; None: one sweep does, or no moves are found.
+
+    As few moves as possible, and if it can be with the middles of its bumpers on the road.
+    """
+    connection = graph.connections[connection_id]
+    own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
+    turned = _turned(own, connection, behind)
+    inside = [graph.lanes[part] for part in connection.parts]
+    exits = graph.edge_lanes[behind.edge_id]
+    if abs(turned) < U_TURN_RAD or _is_swept(graph, connection, limits, [*graph.edge_lanes[own.edge_id], *inside, *exits]):
+        return None
+    ground, side = ground_of([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
+    start = own.spine.heading_at(own.spine.length)
+    for most, share, more in ATTEMPTS:
+        aside = share * max(0.5 * limits.width - SPARE_M, 0.0)
+        task = _Task(ground, (aside, aside + more), behind.spine, start + turned, side, limits)
+        found = _searched(task, _beginnings(own.spine, connection.hold_back, limits), most)
+        if found is not None:
+            return found
+    return None
+
+
+def _turned(own: Lane, connection: Connection, behind: Lane) -> float:
+    """Return by how much the way from one lane to another turns, rad."""
+    ways = np.diff(connection.path.points, axis=0)
+    ends = own.spine.heading_at(own.spine.length), behind.spine.heading_at(0.0)
+    headings = np.unwrap([ends[0], *np.arctan2(ways[:, 1], ways[:, 0]), ends[1]])
+    return float(headings[-1] - headings[0])
+
+
+def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, lanes: list[Lane]) -> bool:
+    """Whether the car turns on a connection in one sweep, the middle of its front bumper not off the road."""
+    own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
+    reference = Reference(graph)
+    reference.follow(own, 0, own.spine.length - TURNAROUND_LEAD_M, own.spine.length)
+    reference.pass_junction(connection, 0)
+    reference.follow(behind, 0, 0.0, min(TURNAROUND_LEAD_M, behind.spine.length))
+    reference.run_out(TURNAROUND_LEAD_M)
+    first, second = reference.points[0][:2]
+    front = float(first[0]), float(first[1]), math.atan2(second[1] - first[1], second[0] - first[0])
+    curve = trajectory(reference, front, SWEEP_SPEED, 1.0, limits).curve
+    along = curve.heading - steering_along(curve.heading, np.full(len(curve.x), curve.step), limits.wheelbase, 0.0)
+    reach = limits.front_overhang
+    bumper = np.column_stack((curve.x + reach * np.cos(along), curve.y + reach * np.sin(along)))
+    near = int(TURNAROUND_LEAD_M / CURVE_STEP_M)
+    ground = ground_of(lanes, *own.spine.at(own.spine.length))
+    return all(_beyond(ground, x, y) < 0.5 * limits.width for x, y in bumper[near // 2 : len(bumper) - near].tolist())
+
+
+def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, _Pose]]:
+    """Return where the turn may begin: the bumper's way to the end of the lane (m), and the pose there."""
+    found = []
+    for more in BEGINNINGS_M:
+        before = hold_back + more
+        if before < spine.length:
+            place = spine.length - before - STOP_LINE_MARGIN_M
+            (x, y), heading = spine.at(place), spine.heading_at(place)
+            reach = limits.front_to_rear_axle
+            found.append((before, _Pose(x - reach * math.cos(heading), y - reach * math.sin(heading), heading)))
+    return found
+
+
+def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> Turn | None:
+    """Return the turn with the fewest moves, at most `most`, among those the shortest; best first, equal poses once."""
+    lock, number = task.side * STEERING_MARGIN * task.limits.max_steering_angle, itertools.count()
+    queue: list[tuple[int, float, int, float, _Pose, tuple[Move, ...]]] = []
+    for before, pose in beginnings:
+        heapq.heappush(queue, (0, 0.0, next(number), before, pose, ()))
+    seen: set[tuple[int, ...]] = set()
+    while queue and len(seen) < MOST_TRIED:
+        count, way, _, before, pose, moves = heapq.heappop(queue)
+        gear = -1 if count % 2 else 1
+        place = gear, round(pose.x / SAME_M), round(pose.y / SAME_M), round(pose.heading / SAME_RAD)
+        if place in seen or count >= most:
+            continue
+        seen.add(place)
+        last = _last_move(task, pose, lock) if gear > 0 else None
+        if last is not None:
+            return _turn(before, (*moves, last[0]), way + last[1])
+        arc = task.arc(pose, gear, gear * lock)
+        end = min(len(arc), task.turned(arc) - 1)
+        for k in {int(share * end) for share in SHARES}:
+            if k >= 2:
+                after = _Pose(*arc[k - 1].tolist())
+                move = task.move(gear, gear * lock, after.heading)
+                heapq.heappush(queue, (count + 1, way + k * STEP_M, next(number), before, after, (*moves, move)))
+    return None
+
+
+def _last_move(task: _Task, pose: _Pose, lock: float) -> tuple[Move, float] | None:
+    """Return the move that ends in the lane, and its way, m; None: there is none from `pose`."""
+    for share in LOCKS:
+        arc = task.arc(pose, 1, share * lock)
+        k = task.turned(arc)
+        if k <= len(arc) and task.ends_in_lane(_Pose(*arc[k - 1].tolist())):
+            return task.move(1, share * lock, task.until, is_last=True), k * STEP_M
+    return None
+
+
+def _turn(before: float, moves: tuple[Move, ...], way: float) -> Turn:
+    return Turn(before, moves, way / MOVE_SPEED + MOVE_CHANGE_S * len(moves))

@@ -1,0 +1,59 @@
+"""Kinds of narrow places: neighbour lanes of one road whose ways through a junction come nearer than bodies are wide."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import Net, car, driven, edge, link, node, sort
+
+STEADY = sort("steady", lcKeepRight=0, lcSpeedGain=0, lcCooperative=0)
+
+
+def narrow(apart: float) -> Net:
+    """Return a road of two lanes that come within `apart` m of each other for 10 m inside a long junction."""
+    nodes = node("a", 0, 0) + node("b", 150, 0, radius=25) + node("c", 300, 0)
+    ways = edge("ab", numLanes=2, shape="0,0 125,0") + edge("bc", numLanes=2, shape="175,0 300,0")
+    y = round(apart - 4.8, 2)
+    outer = link("ab bc", "00", shape="125,-4.8 150,-4.8 175,-4.8")
+    inner = link("ab bc", "11", shape=f"125,-1.6 145,{y} 155,{y} 175,-1.6")
+    return Net(nodes, ways, outer + inner)
+
+
+def abreast(lane: int, ahead: float, departs: tuple[float, ...] = (0.0,)) -> str:
+    """Return cars on `lane` that enter `ahead` m before the ego's front if they enter at the same time as it does."""
+    said = {"type": "steady", "departLane": lane, "departPos": 30 + ahead, "arrivalLane": lane}
+    return STEADY + "".join(car(f"x{i}", "ab bc", depart, **said) for i, depart in enumerate(departs))
+
+
+def ego(lane: int) -> str:
+    """Return the ego on `lane`."""
+    return car("ego", "ab bc", departLane=lane, departPos=30, arrivalLane=lane)
+
+
+@pytest.mark.parametrize("lane", [0, 1])
+@pytest.mark.parametrize("ahead", [-3, 0, 3])
+def test_where_the_lane_has_room_the_ego_keeps_off_who_drives_abreast(tmp_path, lane, ahead):
+    run = driven(tmp_path, narrow(1.5), ego(lane), abreast(1 - lane, ahead))
+    assert run.complaints(slower=1.02) == []
+    assert run.ego.slowest(":b", "ab") > 13.0
+
+
+@pytest.mark.parametrize("lane", [0, 1])
+@pytest.mark.parametrize("ahead", [-3, 0, 3])
+@pytest.mark.parametrize("apart", [0.6, 0.0])
+def test_where_it_has_none_the_ego_falls_behind_who_drives_abreast(tmp_path, apart, lane, ahead):
+    run = driven(tmp_path, narrow(apart), ego(lane), abreast(1 - lane, ahead))
+    assert run.complaints(slower=1.1) == []
+
+
+@pytest.mark.parametrize("lane", [0, 1])
+def test_the_ego_finds_its_place_between_those_of_the_other_lane(tmp_path, lane):
+    run = driven(tmp_path, narrow(0.6), ego(lane), abreast(1 - lane, 0, (0.0, 2.2, 4.4, 6.6)))
+    assert run.complaints(slower=1.2) == []
+
+
+@pytest.mark.parametrize("lane", [0, 1])
+@pytest.mark.parametrize("ahead", [-20, 30])
+def test_who_is_not_abreast_slows_nobody(tmp_path, lane, ahead):
+    run = driven(tmp_path, narrow(0.6), ego(lane), abreast(1 - lane, ahead))
+    assert run.complaints(slower=1.02) == []
+    assert run.ego.slowest(":b", "ab") > 13.0

@@ -1,0 +1,64 @@
+"""Kinds of queues: behind somebody who waits to turn, with a lane beside that flows; and queues that are no reason."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import car, cross, driven, program, stream
+
+ONCOMING = "ec cw"
+
+
+def lanes(run) -> list[str]:
+    """Return the lanes of the approach that the ego drives on, in order."""
+    found: list[str] = []
+    for moment in run.ego.moments:
+        if moment.lane.startswith("wc_") and found[-1:] != [moment.lane]:
+            found.append(moment.lane)
+    return found
+
+
+def oncoming(headway: float) -> str:
+    """A stream on both lanes that leaves who turns left no gap for a minute."""
+    departs = [headway * k for k in range(int(60.0 / headway))]
+    return "".join(stream(f"o{k}", ONCOMING, departs, departLane=k) for k in (0, 1))
+
+
+def turners(count: int) -> str:
+    return "".join(car(f"t{k}", "wc cn", 2.0 * k, departLane=1) for k in range(count))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("depart", [8, 14])
+def test_a_queue_behind_somebody_who_waits_to_turn_is_left(tmp_path, count, depart):
+    ego = car("ego", "wc ce", depart, departLane=1)
+    run = driven(tmp_path, cross(arm=180, numLanes=2), turners(count), oncoming(1.8), ego, until=120)
+    assert run.complaints() == []
+    assert lanes(run) == ["wc_1", "wc_0"]
+    assert run.ego.duration < 45.0
+
+
+@pytest.mark.parametrize("headway", [2.5, 4.0])
+def test_it_is_left_for_a_gap_in_the_lane_that_flows_and_nobody_there_brakes_hard(tmp_path, headway):
+    ego = car("ego", "wc ce", 12, departLane=1)
+    beside = stream("b", "wc ce", [4.0 + headway * k for k in range(14)], departLane=0)
+    run = driven(tmp_path, cross(arm=180, numLanes=2), turners(2), oncoming(1.8), ego, beside, until=140)
+    assert run.complaints() == []
+
+
+def test_who_turns_himself_stays_behind_those_who_turn(tmp_path):
+    ego = car("ego", "wc cn", 10, departLane=1)
+    run = driven(tmp_path, cross(arm=180, numLanes=2), turners(2), oncoming(1.8), ego, until=160)
+    assert run.complaints() == []
+    assert lanes(run) == ["wc_1"]
+
+
+@pytest.mark.parametrize("other", [2, 3, 4])
+def test_queues_at_a_red_light_that_are_about_as_long_are_not_exchanged(tmp_path, other):
+    green, red = "GGggGGggGGggGGgg", "rrrrrrrrrrrrrrrr"
+    net = cross("traffic_light", arm=180, numLanes=2)
+    own = "".join(car(f"a{k}", "wc ce", 2.0 * k, departLane=1) for k in range(3))
+    beside = "".join(car(f"b{k}", "wc ce", 2.0 * k, departLane=0) for k in range(other))
+    light = program("c", (35, red), (60, green))
+    run = driven(tmp_path, net, own, beside, car("ego", "wc ce", 10, departLane=1), extra=light, until=140)
+    assert run.complaints() == []
+    assert lanes(run) == ["wc_1"]
