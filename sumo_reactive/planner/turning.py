@@ -38,7 +38,7 @@ SWING_WEIGHT = 2.0
 LEAVING_M, MOST_LEAVING_M = 1.3, 2.4
 """On the other side it may be this far and half the car's width away, at most MOST_LEAVING_M: a body 2.5 m wide whose front
 is 2.85 m from the centre of a lane of 3.2 m is off it…"""
-LEAVING_WEIGHT = 6.0
+LEAVING_WEIGHT = 12.0
 """…and farther at this cost."""
 JOINT_WEIGHT = 100.0
 """Cost of missing the place or heading where the turn must end, per metre or radian."""
@@ -118,12 +118,13 @@ def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:
     headings, step = _stepped(points)
     first, last = headings[0], headings[-1]
     leads_back = abs(last - first) > U_TURN_RAD
+    keeps, swing = not leads_back or _has_room(points, float(first), body), body.leaving if leads_back else SWING_M
     for _ in range(ITERATIONS):
         places = _walked(points[0], headings, step)
         angles, rows = _steering(headings, step, body.wheelbase, angle)
         parts = (
             _deviation(places, line, headings, step),
-            *(() if leads_back else (_swing(places, line, headings, step, angles, rows, body),)),
+            *((_swing(places, line, headings, step, angles, rows, body, swing),) if keeps else ()),
             _excess(angles, rows, step, body.most),
             _bend_rate(headings, step),
             _joint(places[-1] - points[-1], headings, step, first, last),
@@ -140,6 +141,13 @@ def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:
     places = _walked(points[0], headings, step)
     miss = points[-1] - places[-1]
     return np.asarray(places + miss * np.linspace(0.0, 1.0, len(places))[:, None])
+
+
+def _has_room(points: Points, heading: float, body: Body) -> bool:
+    """Whether the turn `points` (m, 2), which leads back from `heading`, is wide enough to be swept on the road."""
+    ways = points - points[0]
+    extent = float(np.abs(ways[:, 1] * math.cos(heading) - ways[:, 0] * math.sin(heading)).max())
+    return extent + 2.0 * body.leaving > 2.0 * body.wheelbase / math.sin(body.most)
 
 
 def _stepped(points: Points) -> tuple[Floats, float]:
@@ -178,9 +186,10 @@ def _deviation(places: Points, line: Points, headings: Floats, step: float) -> t
 
 
 def _swing(
-    places: Points, line: Points, headings: Floats, step: float, angles: Floats, rows: Floats, body: Body
-) -> tuple[Floats, Floats]:
-    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out beyond SWING_M to oncoming traffic, and
+    places: Points, line: Points, headings: Floats, step: float, angles: Floats, rows: Floats, body: Body,
+    swing: float,
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out beyond `swing` m to oncoming traffic, and
     off the road to the other side.
 
     `angles` (m − 1,), rad, with Jacobian `rows` are the steering angles: the bumper is ahead of the front axle by the
@@ -194,7 +203,7 @@ def _swing(
     moved += np.einsum("ik,kij->ij", normal, _place_jacobian(headings, step, places))
     is_oncoming = aside * body.oncoming > 0.0
     weight = np.where(is_oncoming, SWING_WEIGHT, LEAVING_WEIGHT) * math.sqrt(step)
-    return _beyond(aside, moved, np.where(is_oncoming, SWING_M, body.leaving), weight)
+    return _beyond(aside, moved, np.where(is_oncoming, swing, body.leaving), weight)
 
 
 def _aside(places: Points, line: Points) -> tuple[Floats, Points]:
