@@ -126,7 +126,7 @@ def result_of(
         hard_brakes=jury.hard_brakes,
         overrides=start.overrides,
         versions=versions(),
-        ghosts=trip.ghosts.made,
+        ghosts=trip.ghosts_made,
         emergencies=trip.emergencies,
     )
 

@@ -34,7 +34,7 @@ from sumo_reactive.sumo.overlooked import overlooked
 from sumo_reactive.sumo.route_window import RouteWindow
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.straddling import Haunt, haunt, left_behind
+from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, haunt, left_behind
 from sumo_reactive.sumo.units import front_of
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -76,7 +76,7 @@ class Trip:
         self._choice = choose_lanes(graph, self._route, self.ego.vehicle_class)
         self._controller = Controller(graph, self.ego.limits, profile, delays, self.ego.vehicle_class)
         self._observer = Observer(ego_id, sensor)
-        self.ghosts = Ghosts(ego_id)
+        self._ghosts = Ghosts(ego_id), Ghosts(ego_id, ".turning")
         self._overlooked = overlooked(graph, self._route.edges)
         self._window = RouteWindow(ego_id, self._route.edges, net.end_of)
         self._way_round: tuple[tuple[int, str], WayRound | None] = ((-1, ""), None)
@@ -126,7 +126,7 @@ class Trip:
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
-        self.ghosts.hide()
+        self._show(None, None)
         self.ego.release()
 
     def arrive(self) -> bool:
@@ -138,7 +138,7 @@ class Trip:
         way = max(self._drive.ego.speed, 0.0) * self.step_length
         self.arrived = goal is not None and self._front(self._drive) + way >= goal
         if self.arrived:
-            self.ghosts.hide()
+            self._show(None, None)
             self.ego.arrive()
         return self.arrived
 
@@ -173,20 +173,26 @@ class Trip:
         lane = graph.lanes[here.lane_id] if drive.plan.aside is None else None
         self.ego.place(drive.ego, step.completed.intent, self.step_length, lane, here.lane_id in self._overlooked)
         self.ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
-        shown = self._shown(step, here)
-        if shown is None:
-            self.ghosts.hide()
-        else:
-            self.ghosts.show(*shown)
+        self._show(*self._haunts(step, here))
 
-    def _shown(self, step: Step, here: LaneSegment) -> Haunt | None:
-        """Return where to show the ego besides."""
+    def _haunts(self, step: Step, here: LaneSegment) -> tuple[Haunt | None, Haunt | None]:
+        """Return where to show the ego besides; in a turn in several moves at two places."""
         drive, graph, edges, limits = step.drive, self.graph, self._route.edges, self.ego.limits
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
-            return left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.route_index - 1 :])
+            behind = left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.route_index - 1 :])
+            return behind, ahead_of_mapping(graph, turn, drive.ego, limits, edges[turn.route_index :])
         stop = step.completed.stop.s if step.completed.stop else math.inf
-        return haunt(graph, drive.plan, here, drive.ego, drive.s, limits, edges[here.route_index :], stop)
+        return haunt(graph, drive.plan, here, drive.ego, drive.s, limits, edges[here.route_index :], stop), None
+
+    def _show(self, *haunts: Haunt | None) -> None:
+        for ghosts, place in zip(self._ghosts, haunts, strict=True):
+            ghosts.appear(place)
+
+    @property
+    def ghosts_made(self) -> int:
+        """How many stand-ins the trip has taken."""
+        return sum(ghosts.made for ghosts in self._ghosts)
 
     def _planned(self, step: Step) -> Drive:
         """Return the drive, on a new plan where the pilot asks for one, C runs out or the ego has left it."""

@@ -79,6 +79,13 @@ def passing(
     )
 
 
+def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:
+    """Foresee an ego that turns round in several moves, `to_start` m ahead: it is in every region for all of the `duration`
+    (s)."""
+    arrival = travel_time(to_start, speed, acceleration, max(speed, 1.0))
+    return Passing(arrival, arrival + duration, arrival + duration, 0.0)
+
+
 def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float) -> Passing:
     """Foresee a passage by an ego that means to stop `to_stop` m ahead, behind the region if it `to_clear`s that."""
     if to_stop <= max(to_clear, 0.0):

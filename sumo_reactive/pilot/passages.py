@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sumo_reactive.messages.plan import NominalPlan, Passage
+from sumo_reactive.messages.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.messages.snapshot import Conflict, Snapshot
 from sumo_reactive.world.junction import Connection
 
@@ -16,7 +16,7 @@ Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
 
 class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
-    `stop` where the ego means to stop behind it (m of C, infinite: nowhere)."""
+    `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round."""
 
     number: int
     passage: Passage
@@ -24,6 +24,7 @@ class Crossing(NamedTuple):
     scale: float
     pace: float
     stop: float = math.inf
+    turn: Turnaround | None = None
 
     @property
     def line(self) -> float:
@@ -45,4 +46,4 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         last = max(first + 1, int(passage.end / plan.curve.step) + 1)
         pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
-        yield Crossing(index, passage, connection, scale, turn.pace if turn is not None else max(pace, 1.0))
+        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn)

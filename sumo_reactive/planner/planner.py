@@ -84,18 +84,18 @@ def plan(
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
-    turns = _turns(reference, route, limits)
+    turns = _turns(reference, route, limits, vehicle_class)
     front, stretches = start.front_axle(limits.wheelbase), [(turn.start, turn.end) for turn in turns]
     course = trajectory(reference, front, start.speed, start.speed_factor, limits, aside, start.steering_angle, stretches)
     nominal = _on_curve(reference, course, limits, start, left, aside, turns)
     return replace(nominal, ways_beside=ways_beside(choice, nominal.segments))
 
 
-def _turns(reference: Reference, route: Route, limits: VehicleLimits) -> list[Turnaround]:
+def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str) -> list[Turnaround]:
     """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
     found = []
     for connection, began, ended in reference.passages:
-        turn = turn_in_moves(reference.graph, connection.id, limits)
+        turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class)
         if turn is not None and began - turn.before - STOP_LINE_MARGIN_M > limits.front_overhang - LATE_M:
             index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, _index_of(reference, began))
             lanes, way = (connection.from_lane, connection.to_lane), (began - turn.before, began, ended)

@@ -149,7 +149,9 @@ class _Task(NamedTuple):
 
 
 @lru_cache(maxsize=TURNAROUNDS_KEPT)
-def turn_in_moves(graph: RoadGraph, connection_id: str, limits: VehicleLimits) -> Turn | None:
+def turn_in_moves(
+    graph: RoadGraph, connection_id: str, limits: VehicleLimits, vehicle_class: str = "passenger"
+) -> Turn | None:
     """Return how the car turns round on a connection in several moves; None: one sweep does, or no moves are found.
 
     As few moves as possible, and if it can be with the middles of its bumpers on the road.
@@ -158,8 +160,10 @@ def turn_in_moves(graph: RoadGraph, connection_id: str, limits: VehicleLimits) -
     own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
     turned = _turned(own, connection, behind)
     inside = [graph.lanes[part] for part in connection.parts]
-    exits = graph.edge_lanes[behind.edge_id]
-    if abs(turned) < U_TURN_RAD or _is_swept(graph, connection, limits, [*graph.edge_lanes[own.edge_id], *inside, *exits]):
+    before, exits = (
+        [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
+    )
+    if abs(turned) < U_TURN_RAD or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
         return None
     ground, side = ground_of([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
     start = own.spine.heading_at(own.spine.length)

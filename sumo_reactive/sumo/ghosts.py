@@ -6,6 +6,7 @@ import contextlib
 
 import libsumo
 
+from sumo_reactive.sumo.straddling import Haunt
 from sumo_reactive.sumo.units import KEEP_ROUTE_EXACT, angle_of
 from sumo_reactive.world.lane import Lane
 
@@ -26,11 +27,12 @@ def is_ghost(vehicle_id: str) -> bool:
 
 
 class Ghosts:
-    """At most one ghost of the ego, created when it is needed and removed when it is not."""
+    """At most one ghost of the ego, created when it is needed and removed when it is not; `label` tells it from others."""
 
-    def __init__(self, ego_id: str) -> None:
+    def __init__(self, ego_id: str, label: str = "") -> None:
         self._ego_id = ego_id
-        self._type = f"{PREFIX}type.{ego_id}"
+        self._name = f"{PREFIX}{ego_id}{label}"
+        self._type = f"{PREFIX}type.{ego_id}{label}"
         self._made = 0
         self._ghost = ""
         self._edges: tuple[str, ...] = ()
@@ -64,6 +66,13 @@ class Ghosts:
         except libsumo.TraCIException:  # taken off the road: the next step makes another; or its class may not be there
             self._ghost = ""
 
+    def appear(self, haunt: Haunt | None) -> None:
+        """Show the ghost where it has to be, or hide it where it need not (None)."""
+        if haunt is None:
+            self.hide()
+        else:
+            self.show(*haunt)
+
     def hide(self) -> None:
         """Remove the ghost, if there is one."""
         if self._ghost:
@@ -75,7 +84,7 @@ class Ghosts:
         if not self._made:
             self._make_type()
         self._made += 1
-        self._ghost = f"{PREFIX}{self._ego_id}.{self._made}"
+        self._ghost = f"{self._name}.{self._made}"
         libsumo.route.add(self._ghost, edges)
         starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
         index, at = (str(lane.index), round(position, 2)) if starts_there else ("best", 0.0)

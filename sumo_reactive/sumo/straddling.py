@@ -14,7 +14,9 @@ from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 
 LEAVING_M = 0.4
-"""A front this far beside the middle of its lane begins to leave it."""
+"""A front this far beside the middle of its lane begins to leave it…"""
+ALONG = 0.95
+"""…as does one whose car is turned by more than the angle with this cosine."""
 
 
 class Haunt(NamedTuple):
@@ -68,12 +70,31 @@ def left_behind(
 ) -> Haunt | None:
     """Return where to show an ego that turns round in several moves: where it began, so that those behind leave it the room
     to back up; None: it is still in the middle of that lane. `edges`: its route from there on."""
-    pose, reach, own = ego.pose, limits.front_to_rear_axle, graph.lanes[turn.from_lane]
-    x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
-    if abs(own.spine.project(x, y)[1]) < LEAVING_M:
+    pose, own = ego.pose, graph.lanes[turn.from_lane]
+    turned = math.cos(pose.heading - own.spine.heading_at(own.spine.length))
+    if abs(own.spine.project(*_bumper(ego, limits))[1]) < LEAVING_M and turned > ALONG:
         return None
     place = plan.curve.at(turn.start - STOP_LINE_MARGIN_M)
     return Haunt(own, place[0], place[1], 0.0, edges)
+
+
+def ahead_of_mapping(
+    graph: RoadGraph, turn: Turnaround, ego: VehicleState, limits: VehicleLimits, edges: tuple[str, ...]
+) -> Haunt | None:
+    """Return where to show an ego that turns round in several moves, on the lane that it turns into; None: SUMO maps it to
+    that lane. `edges`: its route from there on."""
+    (x, y), own, into = _bumper(ego, limits), graph.lanes[turn.from_lane], graph.lanes[turn.to_lane]
+    if abs(own.spine.project(x, y)[1]) > abs(into.spine.project(x, y)[1]):
+        return None
+    back = x - limits.length * math.cos(ego.pose.heading), y - limits.length * math.sin(ego.pose.heading)
+    rear = min(into.spine.project(x, y)[0], into.spine.project(*back)[0])
+    return Haunt(into, *into.spine.at(rear + limits.length), 0.0, edges)
+
+
+def _bumper(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
+    """Return the middle of the front bumper, m."""
+    pose, reach = ego.pose, limits.front_to_rear_axle
+    return pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
 
 
 def _swung_out(graph: RoadGraph, own: Lane, ego: VehicleState, limits: VehicleLimits, edges: tuple[str, ...]) -> Haunt:

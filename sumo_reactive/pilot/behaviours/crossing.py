@@ -27,7 +27,7 @@ from sumo_reactive.parameters import (
     WAIT_SHIFT_M,
     ZIPPER_LEAD_M,
 )
-from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, stopping_behind, threat, travel_time
+from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, stopping_behind, threat, travel_time, turning
 from sumo_reactive.pilot.lights import holds_back, letter_of, outranks
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Crossing
@@ -119,6 +119,8 @@ def judge(
     acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
     own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
     own = stopping_behind(own, to_clear, snapshot.ego.speed, crossing.stop - front)
+    if crossing.turn is not None:
+        own = turning(crossing.turn.start - front, snapshot.ego.speed, acceleration, crossing.turn.duration)
     other = threat(foe, expects_ego=committed)
     may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
     passes = is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
