@@ -229,6 +229,13 @@ FOE_ACCELERATION = 1.5
 FOE_CAN_STOP_DECELERATION = 4.0
 """m/s²; a foe that must yield is trusted to while this braking suffices (SUMO's default car brakes at 4.5)."""
 
+SIGN_STOP_DECELERATION = 5.5
+"""m/s²; a foe that has to stop at an all-way stop, whoever comes, is trusted to while this braking suffices: SUMO's cars
+brake for their line with just the 4.5 that is theirs."""
+
+LEAVING_ACCELERATION = 1.0
+"""m/s²; no more is counted on of a foe that is seen to gain speed as it leaves the junction: half of what a car does."""
+
 FOE_PATIENCE_S = 3.0
 """A foe with priority that has been standing this long, while the ego has too, is not about to go."""
 
@@ -265,6 +272,10 @@ REGION_MARGIN_M = 0.5
 CROSSER_MARGIN_S = 0.5
 """A crossing car counts as gone if it leaves the corridor this long before the ego comes."""
 
+MEETING_FORESEEN_S = 3.0
+"""Who comes towards the ego or crosses is foreseen so far, to see whether he leaves the corridor before they meet: the
+time that the comfortable deceleration takes from 7.5 m/s."""
+
 LANE_CHANGE_LOOK_AHEAD_S = 20.0
 """A needed lane change is sought this long before its latest place…"""
 
@@ -285,6 +296,10 @@ CAUTIOUS_AHEAD_M = 10.0
 
 WAIT_SHIFT_M = 4.0
 """A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
+
+WAIT_INTO_M = 1.0
+"""A foe before its line is trusted to wait inside the junction only where its front then reaches no farther into the region:
+the ego's way is moved aside by as much."""
 
 FOLLOWER_HEADWAY_S = 0.8
 """Time headway left to who is behind on the other lane, while there is still way for another gap."""
@@ -368,6 +383,9 @@ QUEUE_PATIENCE_S = 90.0
 
 AT_LANE_END_M = 5.0
 """At the end of its lane is who is not farther than a car's length from the last place to change."""
+
+CALL_OFF_SHARE = 0.3
+"""A lane change may be called off on this share of its length: a car of 1.8 m on a lane of 3.2 m then touches the line."""
 
 CREEPING_SPEED = 1.0
 """m/s; who is slower than this creeps, and still waits."""
@@ -536,6 +554,10 @@ SAFE_GAP_M = 0.5
 
 STOP_LINE_MARGIN_M = 0.7
 """Planned distance of the front bumper to a line."""
+
+ON_LINE_M = 0.05
+"""A front bumper no farther over a line than this is at it: a car inserted at the very end of its lane, or one that has
+stopped there, has not passed its light. SUMO's lanes and C agree to less."""
 
 TURN_FORESEEN_S = COLLISION_HORIZON_S
 """The others' turning is taken over this time, along their lanes."""

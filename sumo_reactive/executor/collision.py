@@ -34,8 +34,8 @@ def braking_collides(
     The others keep their speed. Who turns may go on turning or go straight on: only where both ways touch, braking is no
     matter of what he will do. A car that comes round a bend does not hit the ego, nor does one that waits to turn across its
     path; that one is the pilot's matter. Who now has the front behind the ego's middle, or is touched only while the
-    ego stands, has to look out himself. `boxes` (n, 7): front x, y, heading, speed, length, width, turn
-    rate (rad/s).
+    ego stands, has to look out himself; who leaves the road at the end of his way touches nobody behind it. `boxes` (n, 8):
+    front x, y, heading, speed, length, width, turn rate (rad/s), way left (m).
     """
     t, v = start, speed
     px, py, ph = x, y, heading
@@ -44,7 +44,7 @@ def braking_collides(
         cx, cy = px + back * math.cos(ph), py + back * math.sin(ph)
         for k in range(len(boxes)):
             ahead = (boxes[k, 0] - x) * math.cos(heading) + (boxes[k, 1] - y) * math.sin(heading)
-            if ahead <= axle_to_front - 0.5 * length:
+            if ahead <= axle_to_front - 0.5 * length or boxes[k, 3] * t > boxes[k, 7]:
                 continue
             touched = True
             for turn_rate in (boxes[k, 6], 0.0):

@@ -21,8 +21,8 @@ from sumo_reactive.messages.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import Traffic
 from sumo_reactive.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
-from sumo_reactive.perception.foresee import turn_of
-from sumo_reactive.pilot.lights import letter_of
+from sumo_reactive.perception.foresee import turned
+from sumo_reactive.pilot.lights import has_passed, letter_of
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.lane_choice import choose_lanes
 from sumo_reactive.planner.planner import PlanStart, plan
@@ -89,7 +89,7 @@ class Trip:
         self._drive = Drive(state, self._plan(start), 0.0)
         self._traffic = self._observe()
         self._controller.step(self._traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
-        turn_of(np.zeros((2, 3)), 0.0, 1.0)  # nobody may be near yet
+        turned(np.zeros((2, 3)), 0.0, 1.0, 0.0, 5.0)  # nobody may be near yet
 
     @property
     def has_ended(self) -> bool:
@@ -307,7 +307,7 @@ class Trip:
         """Return the letter of the light whose line the front bumper crosses in this step."""
         before, after = self._front(self._drive), self._front(step.drive)
         for passage in self._drive.plan.passages:
-            if before <= passage.start < after:
+            if has_passed(passage.start, after) and not has_passed(passage.start, before):
                 return letter_of(self.graph.connections[passage.connection_id], step.snapshot)
         return ""
 

@@ -147,10 +147,35 @@ def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
     return next((change for change in plan.lane_changes if change.end > front), None)
 
 
-def lane_sought(plan: NominalPlan, front: float) -> str:
-    """Return the lane that the next change leads to, if it may be made already; empty: none."""
+def lane_sought(graph: RoadGraph, plan: NominalPlan, front: float) -> str:
+    """Return the lane that the ego would enter if it made the next change here, if it may be made already; empty: none.
+
+    Where C makes the change on a later road, that is the lane beside its own, which leads to the same place; inside a
+    junction, that on the road behind.
+    """
     change = next_change(plan, front) if plan.lane_changes else None
-    return "" if change is None or change.opens > front else change.to_lane
+    if change is None or change.opens > front:
+        return ""
+    ahead = (segment for segment in plan.segments if segment.end > front)
+    here = next((segment for segment in ahead if not graph.lanes[segment.lane_id].is_internal), None)
+    if here is None or graph.lanes[here.lane_id].edge_id == graph.lanes[change.to_lane].edge_id:
+        return change.to_lane
+    left, right = graph.neighbours(here.lane_id)
+    beside = left if change.side > 0 else right
+    return change.to_lane if beside is None else beside.id
+
+
+def place_beside(graph: RoadGraph, plan: NominalPlan, lane_id: str, front: float, x: float, y: float) -> float:
+    """Return the arc length (m) on a lane beside C of the front bumper, which is at `x`, `y` (m) and at `front` on C.
+
+    It is negative by the way along C that is still to go to the lane's road.
+    """
+    lane = graph.lanes[lane_id]
+    segments = (segment for segment in plan.segments if segment.end > front)
+    there = next((segment for segment in segments if graph.lanes[segment.lane_id].edge_id == lane.edge_id), None)
+    if there is not None and there.start > front:
+        return there.lane_offset - (there.start - front)
+    return lane.spine.project(x, y)[0]
 
 
 def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float = 0.0) -> tuple[str, ...]:
@@ -164,7 +189,7 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
     change = next_change(plan, front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
-        lanes.update(dict.fromkeys(lane_axis(graph, change.to_lane)))
+        lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
     return tuple(lanes)
 
 

@@ -122,7 +122,7 @@ def near_boxes(boxes: Array, x: float, y: float, reach: float) -> Array:
 
 @kernel
 def touchable(boxes: Array, x: float, y: float, heading: float, speed: float, length: float) -> NDArray[np.int64]:
-    """Return which of `boxes` (n, 7) move and could touch an ego of `length` m within the time that turning is foreseen.
+    """Return which of `boxes` (n, 8) move and could touch an ego of `length` m within the time that turning is foreseen.
 
     The ego's rear axle is at (x, y), m. Who is behind it cannot: he has to look out himself.
     """

@@ -69,26 +69,66 @@ def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple
 def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
     """Return how fast a vehicle turns on average over the next `duration` s along its lane, rad/s; 0 where ways part.
 
-    It is where its middle drives: SUMO's bodies lie along the lane.
+    Both ends of its body keep to the lane, as those of SUMO's do.
     """
     ways = paths_ahead(graph, user.lane_id, user.route[:3])
     if len(ways) != 1:
         return 0.0
-    at = max(user.lane_position - 0.5 * user.body.length, 0.0) / PATH_STEP_M
-    return turn_of(ways[0], at, at + user.speed * duration / PATH_STEP_M) / duration
+    return turned(ways[0], user.lane_position, user.speed * duration, user.heading, user.body.length) / duration
+
+
+def places_after(graph: RoadGraph, user: RoadUser, time: float) -> list[tuple[float, ...]]:
+    """Return the boxes (front x, y, heading, speed, length, width) of a user who keeps its speed for `time` s: on each way
+    that it may take, as far left of it as now, and straight on."""
+    way, at, length = user.speed * time, user.lane_position, user.body.length
+    rest = (user.speed, length, user.body.width)
+    c, s = math.cos(user.heading), math.sin(user.heading)
+    places: list[tuple[float, ...]] = [(user.x + way * c, user.y + way * s, user.heading, *rest)]
+    for path in paths_ahead(graph, user.lane_id, user.route[:3]):
+        heading = user.heading + turned(path, at, way, user.heading, length)
+        (px, py), (x, y) = point_at(path, at), point_at(path, at + way)
+        aside = (user.y - py) * c - (user.x - px) * s
+        places.append((x - aside * math.sin(heading), y + aside * math.cos(heading), heading, *rest))
+    return places
+
+
+def way_left(graph: RoadGraph, user: RoadUser) -> float:
+    """Return the way (m) to where a vehicle leaves the road: the end of the last lane of its route, else infinite."""
+    lane = graph.lanes.get(user.lane_id) if len(user.route) == 1 else None
+    if lane is None or lane.edge_id != user.route[0]:
+        return math.inf
+    return max(lane.spine.length - user.lane_position, 0.0)
 
 
 @kernel
-def turn_of(path: Array, start: float, end: float) -> float:
-    """Return by how much (rad) a path turns from `start` to `end`, both in samples."""
-    return wrapped(_heading_at(path, end) - _heading_at(path, start))
+def turned(path: Array, front: float, way: float, heading: float, length: float) -> float:
+    """Return by how much (rad) a body of that `heading` and `length` (m) turns while its front drives `way` m along a path.
+
+    Its front is `front` m from the start of the path. A rear that is not on the path yet comes to its start straight from
+    where it is.
+    """
+    way = min(way, (len(path) - 1) * PATH_STEP_M - front)
+    if way <= 0.0:
+        return 0.0
+    fx, fy = point_at(path, front + way)
+    behind = front + way - length
+    if behind >= 0.0:
+        rx, ry = point_at(path, behind)
+    else:
+        x, y = point_at(path, front)
+        rx, ry = x - length * math.cos(heading), y - length * math.sin(heading)
+        share = way / (length - front)
+        rx, ry = rx + share * (path[0, 0] - rx), ry + share * (path[0, 1] - ry)
+    return wrapped(math.atan2(fy - ry, fx - rx) - heading)
 
 
 @kernel
-def _heading_at(path: Array, u: float) -> float:
-    """Return the heading (rad) at `u` samples along a path, between the samples next to it."""
-    i = min(int(u), len(path) - 2)
-    return float(path[i, 2] + min(u - i, 1.0) * wrapped(path[i + 1, 2] - path[i, 2]))
+def point_at(path: Array, s: float) -> tuple[float, float]:
+    """Return the point (m) at arc length `s` of a path, between the samples next to it."""
+    u = s / PATH_STEP_M
+    i = min(max(int(u), 0), len(path) - 2)
+    share = min(max(u - i, 0.0), 1.0)
+    return path[i, 0] + share * (path[i + 1, 0] - path[i, 0]), path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
 
 
 def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 
 from sumo_reactive.messages.snapshot import Leader, PathObstacle
 from sumo_reactive.parameters import CROSSER_MARGIN_S, STANDING_SPEED
 from sumo_reactive.vehicle.limits import VehicleLimits
+
+FASTER = 2.0
+"""m/s; the ego may speed up by so much until it meets somebody."""
 
 
 def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> Iterator[Leader]:
@@ -17,14 +21,36 @@ def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits:
             yield leader
 
 
+def time_to_meet(obstacle: PathObstacle, front: float, speed: float) -> float:
+    """Return when somebody who comes towards the ego or crosses must have left its corridor, s; infinite for others.
+
+    That is the earliest time at which they meet, or a margin before the ego comes where he crosses. The ego's bumper is at
+    `front` m of C, its `speed` in m/s.
+    """
+    gap = max(obstacle.start - front, 0.0)
+    if _comes_towards(obstacle):
+        return gap / (speed + FASTER + obstacle.user.speed)
+    if _crosses(obstacle):
+        return max(gap / max(speed, 0.1) - CROSSER_MARGIN_S, 0.0)
+    return math.inf
+
+
+def _comes_towards(obstacle: PathObstacle) -> bool:
+    return obstacle.along < -STANDING_SPEED and abs(obstacle.across) < -obstacle.along
+
+
+def _crosses(obstacle: PathObstacle) -> bool:
+    return abs(obstacle.across) > max(obstacle.along, STANDING_SPEED)
+
+
 def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleLimits) -> Leader | None:
     user, along, across = obstacle.user, obstacle.along, abs(obstacle.across)
     brakes = user.body.emergency_deceleration
     gap = obstacle.start - front
-    if along < -STANDING_SPEED and across < -along:
+    if _comes_towards(obstacle):
         shared = gap * speed / (speed - along)
         return Leader(user.id, front + shared, 0.0, brakes)
-    if across > max(along, STANDING_SPEED):
+    if _crosses(obstacle):
         leaves = (user.body.length + limits.width) / across
         if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
             return None

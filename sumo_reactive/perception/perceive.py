@@ -17,23 +17,24 @@ from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import (
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
+    MEETING_FORESEEN_S,
     NEAR_M,
     PROJECTION_WINDOW_M,
     TURN_FORESEEN_S,
 )
 from sumo_reactive.perception.abreast import ahead_at_narrows, narrows_of
-from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, lane_sought, watches_of
+from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, lane_sought, place_beside, watches_of
 from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes, touchable
 from sumo_reactive.perception.cuts import next_cut
-from sumo_reactive.perception.foresee import turn_rate
-from sumo_reactive.perception.leaders import leaders
+from sumo_reactive.perception.foresee import places_after, turn_rate, way_left
+from sumo_reactive.perception.leaders import leaders, time_to_meet
 from sumo_reactive.perception.static import static_near
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
 
 Array = NDArray[np.float64]
 
-_NO_BOXES: Array = np.empty((0, 7))
+_NO_BOXES: Array = np.empty((0, 8))
 
 
 def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
@@ -63,14 +64,15 @@ def perceive(
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
     foes = tuple(_foes((*traffic.users, *traffic.beside), plan, graph, sight)) if sight else ()
-    sought = lane_sought(plan, front)
+    sought = lane_sought(graph, plan, front)
     cut = None if sought else next_cut(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought
-    neighbours = tuple(_neighbours(traffic.users, beside, graph, ego, limits)) if beside else ()
+    neighbours = tuple(_neighbours(traffic.users, beside, plan, graph, ego, front, limits)) if beside else ()
     near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
     narrows = narrows_of(plan, graph, limits)
-    behind = tuple(leaders(on_path, front, ego.speed, limits))
+    met = (obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed))
+    behind = tuple(leaders(met, front, ego.speed, limits))
     if narrows:
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
@@ -79,16 +81,16 @@ def perceive(
 
 
 def _boxes(users: tuple[RoadUser, ...], graph: RoadGraph, ego: VehicleState, limits: VehicleLimits) -> Array:
-    """Return the boxes (n, 7) of `users`; who cannot be touched within the foreseen time has no turn rate."""
+    """Return the boxes (n, 8) of `users`; who cannot be touched within the foreseen time has no turn rate, and no end."""
     flat: list[float] = []
     for user in users:
         body = user.body
-        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width, 0.0)
-    boxes = np.frombuffer(array("d", flat)).reshape(-1, 7) if flat else _NO_BOXES
+        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width, 0.0, math.inf)
+    boxes = np.frombuffer(array("d", flat)).reshape(-1, 8) if flat else _NO_BOXES
     pose = ego.pose
     for k in touchable(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length).tolist():
         if not users[k].body.is_person:
-            boxes[k, 6] = turn_rate(graph, users[k], TURN_FORESEEN_S)
+            boxes[k, 6], boxes[k, 7] = turn_rate(graph, users[k], TURN_FORESEEN_S), way_left(graph, users[k])
     return boxes
 
 
@@ -105,32 +107,49 @@ def _on_path(
     return [PathObstacle(users[k], *stretch) for k, stretch in pairs]
 
 
+def _passes_by(
+    obstacle: PathObstacle, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, front: float, speed: float
+) -> bool:
+    """Whether somebody who comes towards the ego or crosses will soon have left its corridor: before they meet there, and
+    whether he goes on along his lane, wherever it leads, or straight on."""
+    user, time = obstacle.user, time_to_meet(obstacle, front, speed)
+    if time > MEETING_FORESEEN_S or user.body.is_person:
+        return False
+    curve, behind = plan.curve, max(front - limits.length, 0.0)
+    boxes = np.array(places_after(graph, user, time))
+    band = band_of(curve, limits)
+    return not len(blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, behind, obstacle.end, *band)[0])
+
+
 def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> list[Foe]:
     tables = [(i, watches_of(graph, plan.passages[i].connection_id)) for i in sight]
     found: list[Foe] = []
     for user in users:
-        lane_id = user.lane_id
         for i, table in tables:
-            if lane_id in table:
-                _add_foes(found, user, i, table[lane_id])
+            watches = table.get(user.lane_id)
+            if watches is not None:
+                (_add_walker if user.body.is_person else _add_foes)(found, user, i, watches)
     return found
 
 
 def _add_foes(found: list[Foe], user: RoadUser, passage: int, watches: tuple[Watch, ...]) -> None:
     """Add to `found` what a user on a lane with `watches` may do to the ego on a passage."""
-    route, at, (length, _, _, _, is_person) = user.route, user.lane_position, user.body
-    for watch in watches:
-        conflict, distance, edges, start, end = watch
-        if edges and route and edges != route[: len(edges)]:
-            continue
+    route, at, length = user.route, user.lane_position, user.body.length
+    for conflict, distance, edges, start, end in watches:
         to_line = distance - at
         to_clear = to_line + end + length
-        if is_person:
-            foe = _walker(user, passage, watch)
-            if foe.to_clear > 0.0:
-                found.append(foe)
-        elif to_clear > 0.0:
+        if to_clear > 0.0 and not (edges and route and edges != route[: len(edges)]):
             found.append(Foe(user, passage, conflict, to_line, to_line + start, to_clear))
+
+
+def _add_walker(found: list[Foe], user: RoadUser, passage: int, watches: tuple[Watch, ...]) -> None:
+    """Add to `found` what a pedestrian may do to the ego on a passage."""
+    for watch in watches:
+        if watch.edges and user.route and watch.edges != user.route[: len(watch.edges)]:
+            continue
+        foe = _walker(user, passage, watch)
+        if foe.to_clear > 0.0:
+            found.append(foe)
 
 
 def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
@@ -144,12 +163,12 @@ def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
 
 
 def _neighbours(
-    users: tuple[RoadUser, ...], lane_id: str, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
-) -> Iterator[Neighbour]:
+    users: tuple[RoadUser, ...], lane_id: str, plan: NominalPlan, graph: RoadGraph, ego: VehicleState, front: float,
+    limits: VehicleLimits,
+) -> Iterator[Neighbour]:  # fmt: skip
     axis = lane_axis(graph, lane_id)
     p, reach = ego.pose, limits.front_to_rear_axle
-    x, y = p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading)
-    own, _ = graph.lanes[lane_id].spine.project(x, y)
+    own = place_beside(graph, plan, lane_id, front, p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading))
     for user in users:
         start = axis.get(user.lane_id)
         if start is not None:

@@ -104,7 +104,7 @@ def _is_free_behind(situation: Situation, way: float) -> bool:
     """Whether nobody is within `way` m behind the rear bumper, a lane's width to either side."""
     pose, limits = situation.snapshot.ego.pose, situation.limits
     c, s = math.cos(pose.heading), math.sin(pose.heading)
-    for x, y, heading, _, length, width, _ in situation.snapshot.boxes.tolist():
+    for x, y, heading, _, length, width, *_ in situation.snapshot.boxes.tolist():
         mx, my = x - 0.5 * length * math.cos(heading) - pose.x, y - 0.5 * length * math.sin(heading) - pose.y
         behind = -(mx * c + my * s) - limits.rear_overhang - 0.5 * length
         if -limits.length < behind < way and abs(my * c - mx * s) < 0.5 * (limits.width + width) + 0.5:

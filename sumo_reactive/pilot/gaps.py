@@ -14,6 +14,7 @@ from sumo_reactive.parameters import (
     FOLLOWER_STANDSTILL_GAP_M,
     GAP_AFTER_S,
     GAP_BEFORE_S,
+    LEAVING_ACCELERATION,
     MERGE_GAP_S,
     STANDING_SPEED,
 )
@@ -112,19 +113,25 @@ def _slowing(
     return Passing(earliest, lead + inside, lead + length / top_speed, top_speed)
 
 
-def threat(foe: Foe, *, expects_ego: bool = False) -> Threat:
-    """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind."""
+def threat(foe: Foe, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:
+    """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind, unless
+    it is seen to be `gaining` speed (m/s²) as it leaves."""
     user = foe.user
     if user.body.is_person:
         pace = max(user.speed, 0.5)
         return Threat(max(foe.to_region, 0.0) / pace, foe.to_clear / pace, foe.to_clear / pace)
     top = user.speed if expects_ego else max(user.speed, min(foe.conflict.other.speed_limit, user.body.max_speed))
-    slow = max(user.speed, STANDING_SPEED)
-    to_merged = foe.to_region + user.body.length
+    to_merged = max(0.0, foe.to_region + user.body.length)
+    slow, fast = max(user.speed, STANDING_SPEED), min(foe.conflict.other.speed_limit, user.body.max_speed)
+    gaining = min(gaining, LEAVING_ACCELERATION)
+    if gaining > 0.0 and slow < fast:
+        clearance, merged = (travel_time(way, slow, gaining, fast) for way in (foe.to_clear, to_merged))
+    else:
+        clearance, merged = foe.to_clear / slow, to_merged / slow
     return Threat(
         arrival=travel_time(foe.to_region, user.speed, FOE_ACCELERATION, max(top, STANDING_SPEED)),
-        clearance=foe.to_clear / slow,
-        merged=max(0.0, to_merged) / slow,
+        clearance=clearance,
+        merged=merged,
     )
 
 

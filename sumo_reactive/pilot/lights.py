@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.parameters import YELLOW_DECELERATION
+from sumo_reactive.parameters import ON_LINE_M, YELLOW_DECELERATION
 from sumo_reactive.world.junction import Connection
 
 
@@ -26,6 +26,11 @@ def letter_of(connection: Connection, snapshot: Snapshot) -> str:
         return ""
     letters = snapshot.lights.get(link.light_id, "")
     return letters[link.index] if link.index < len(letters) else ""
+
+
+def has_passed(line: float, front: float) -> bool:
+    """Whether the front bumper, `front` m along C, is over the line at `line` m, so that its light speaks no more."""
+    return front > line + ON_LINE_M
 
 
 def signal(letter: str, to_line: float, speed: float, hardest: float) -> Signal:

@@ -28,8 +28,10 @@ class Crossing(NamedTuple):
 
     @property
     def line(self) -> float:
-        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it."""
-        return self.passage.start - self.connection.hold_back
+        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, or as
+        a turn in several moves begins."""
+        line = self.passage.start - self.connection.hold_back
+        return line if self.turn is None else min(line, self.turn.start)
 
     def at(self, path_length: float) -> float:
         """Arc length on C of a place on the connection's path, m; C is as long as the lanes before and behind it."""

@@ -13,7 +13,14 @@ from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.forecast import Outlook
 from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
 from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.parameters import CAUTIOUS_AHEAD_M, OVERTAKING_SIGHT_M, PROGRESS_M, STANDING_SPEED
+from sumo_reactive.parameters import (
+    CAUTIOUS_AHEAD_M,
+    FOE_PATIENCE_S,
+    LEAST_PATIENCE_S,
+    OVERTAKING_SIGHT_M,
+    PROGRESS_M,
+    STANDING_SPEED,
+)
 from sumo_reactive.pilot.assessment import assess
 from sumo_reactive.pilot.behaviours import overtaking
 from sumo_reactive.pilot.escape import escape, room_behind
@@ -95,7 +102,8 @@ def decide(
     situation = Situation(
         snapshot, plan, limits, memory, events, ahead, ways, nearest(rules.stops), assessment, outlook
     )
-    turning = turn_round(snapshot, plan, situation.stop, memory)
+    is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
+    turning = turn_round(snapshot, plan, situation.stop, memory, is_stuck=is_stuck)
     situation, rules = _with_turn(*_with_room(situation, rules))
     memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
     situation = situation._replace(memory=memory)
@@ -147,12 +155,14 @@ def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
 
 def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
     """Return the orders with those of a turn in several moves: nothing but others' bodies stops it."""
+    begins_or_moves = orders.memory.move is None or abs(snapshot.ego.speed) >= STANDING_SPEED
+    since = snapshot.time if begins_or_moves else orders.memory.progress_time
     return orders._replace(
         instruction=Instruction.TURN_ROUND if turning.move is not None else orders.instruction,
         stop=None,
         request=turning.request,
         decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),
-        memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=snapshot.time),
+        memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=since),
     )
 
 
@@ -173,7 +183,7 @@ def _why(changing: LaneChanging) -> tuple[Decision, ...]:
 
 def _request(situation: Situation, changing: LaneChanging) -> Request:
     """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
-    if changing.side:
+    if changing.side or changing.calls_off:
         return Request(Replanning.CURVE, changing.side)
     missed = is_missed(situation.snapshot, situation.stop, situation.memory)
     return Request(Replanning.ROUTE) if missed else Request()
@@ -243,7 +253,7 @@ def _completed(
         tuning=_tuning(orders.instruction, style, orders.top_speed),
         time_constraints=constraints,
         stop=orders.stop,
-        intent=_intent(orders.stop),
+        intent=_intent(orders.stop, situation),
         decisions=orders.decisions,
         slot=slot,
         request=orders.request,
@@ -265,7 +275,20 @@ def _sight(situation: Situation, behaviour: Behaviour) -> float:
     return OVERTAKING_SIGHT_M if wants else 0.0
 
 
-def _intent(stop: StopAt | None) -> Intent:
+def _intent(stop: StopAt | None, situation: Situation) -> Intent:
     if stop is None:
         return Intent.DRIVE
-    return Intent.GO_NEXT if stop.reason is Reason.WAIT_FOR_TURN else Intent.YIELD
+    if stop.reason is Reason.WAIT_FOR_TURN and not _lets_start(stop.cause, situation):
+        return Intent.GO_NEXT
+    return Intent.YIELD
+
+
+def _lets_start(user_id: str, situation: Situation) -> bool:
+    """Whether the ego waits for somebody whose turn it is and who still stands: others wait for who means to go next, and he
+    would wait for the ego. It means to go again shortly before it goes, should he not start."""
+    snapshot = situation.snapshot
+    user = next((foe.user for foe in snapshot.foes if foe.user.id == user_id), None)
+    if user is None or user.speed >= STANDING_SPEED:
+        return False
+    patience = FOE_PATIENCE_S - LEAST_PATIENCE_S
+    return situation.memory.standing_for(snapshot.time) < patience or user.waiting_time < FOE_PATIENCE_S + patience

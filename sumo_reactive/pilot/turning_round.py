@@ -27,17 +27,22 @@ def place_to_begin(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -
     return None if number is None else StopAt(plan.turnarounds[number].start, Reason.NARROW_TURN)
 
 
-def turn_round(snapshot: Snapshot, plan: NominalPlan, stop: StopAt | None, memory: PilotMemory) -> Turning | None:
+def turn_round(
+    snapshot: Snapshot, plan: NominalPlan, stop: StopAt | None, memory: PilotMemory, *, is_stuck: bool = False
+) -> Turning | None:
     """Return what the turn under way asks for, or one that begins now; None: the ego does not turn round.
 
     It begins when the ego stands where it is to begin, and nothing keeps it from passing: `stop` is the nearest other place
-    to stop at.
+    to stop at. One that `is_stuck`, for somebody stands in the way of a move, goes on in one sweep.
     """
     if memory.move is None:
         number = _next(snapshot, plan)
         if number is None or not _may_begin(snapshot, plan.turnarounds[number], stop):
             return None
         return _driven(plan, number, 0, memory)
+    if is_stuck:
+        decision = Decision(Behaviour.CROSSING, Reason.NO_PROGRESS, passes=True)
+        return Turning(None, decision, Request(Replanning.CURVE), memory._replace(move=None))
     turn, move = memory.move
     moves = plan.turnarounds[turn].moves
     return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)

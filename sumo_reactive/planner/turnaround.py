@@ -46,8 +46,8 @@ ATTEMPTS = ((3, 0.0, 0.0), (3, 1.0, 0.0), (5, 0.0, 0.0), (7, 1.0, 0.0), (7, 1.0,
 how much farther the rear one, m. The wheels stay on it, and three moves are preferred to five."""
 SPARE_M = 0.25
 """A front that leaves the road by half the car's width is off it; a turn stays clear of that by this much."""
-BEGINNINGS_M = (0.0, 1.5, 3.5, 5.5)
-"""How far before the end of its lane the turn may begin."""
+BEGINNINGS_M = (1.0, 2.5, 4.0, 6.0)
+"""How far before the end of its lane the turn may begin: SUMO maps a stand-in nearer to it to the lane behind."""
 SHARES = (1.0, 0.6)
 """A move ends where the road does, or after so much of that way."""
 LOCKS = (1.0, 0.8, 0.6, 0.4)

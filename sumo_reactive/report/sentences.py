@@ -124,6 +124,10 @@ REASONS: dict[Reason, Wording] = {
         "stops where it has to change to lane {region}, since {cause} leaves no gap there",
         "changes to lane {region} beside {cause}",
     ),
+    Reason.GAP_CLOSED: Wording(
+        "calls off the change to lane {region}, since {cause} has closed the gap there",
+        "changes to lane {region} although {cause} has closed the gap there",
+    ),
     Reason.HELD_UP: Wording(
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",

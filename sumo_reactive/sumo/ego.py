@@ -34,6 +34,10 @@ _BRAKING_TOLERANCE = 0.1
 _AT_END_M = 0.05
 """A front this near to the end of its lane, or past it, is at it."""
 
+_BEFORE_END_M = 0.005
+"""What stands on the end of its lane is put this far before it: at the end itself SUMO has it in the junction, where it
+would keep off others while it waits at red."""
+
 _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
 
@@ -109,7 +113,16 @@ class Ego:
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
             edge, index, mode = lane.edge_id, lane.index, FREE_EXACT
+        if state.speed <= 0.0 and self._is_on_line():
+            x, y = x - _BEFORE_END_M * math.cos(state.pose.heading), y - _BEFORE_END_M * math.sin(state.pose.heading)
         libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
+
+    def _is_on_line(self) -> bool:
+        """Whether SUMO has the front on the end of a lane before a junction, to less than the ego may be put amiss."""
+        lane_id = libsumo.vehicle.getLaneID(self.id)
+        if not lane_id or lane_id.startswith(":"):
+            return False
+        return bool(libsumo.vehicle.getLanePosition(self.id) > libsumo.lane.getLength(lane_id) - 2.0 * _BEFORE_END_M)
 
     def _keep_connected(self, x: float, y: float) -> None:
         """Have SUMO see the ego on the lane that C leaves by, where it has it on another lane of the edge though the front,
@@ -197,6 +210,8 @@ class Ego:
             raise SimulationError(f"SUMO has taken ego '{self.id}' off the road: {error}") from error
         if math.hypot(px - x, py - y) > 0.01:
             raise SimulationError(f"SUMO moved ego '{self.id}' to ({px:.2f}, {py:.2f}) instead of ({x:.2f}, {y:.2f})")
+        if float(libsumo.vehicle.getSpeed(self.id)) < state.speed - STANDING_SPEED:
+            self._keep_speed(state)
         lane_id = str(libsumo.vehicle.getLaneID(self.id))
         if not lane_id:
             self._unmapped = True
@@ -204,6 +219,11 @@ class Ego:
             self._unmapped = False
             self._restore_route(lane_id.rpartition("_")[0])
         return lane_id
+
+    def _keep_speed(self, state: VehicleState) -> None:
+        """Have the others see the ego's speed where SUMO has stopped it for a step: it finds no way on from the end of the
+        lane that it has the ego on, though the ego is past it. Whoever follows would brake as for a standing car."""
+        libsumo.vehicle.setPreviousSpeed(self.id, state.speed, state.acceleration)
 
     def reroute(self, route: Route) -> None:
         """Take another route, which begins on the edge that the ego is on, and tell SUMO."""

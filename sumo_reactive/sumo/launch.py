@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, ElementTree, SubElement
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import SumoConfig, is_true, seconds_of
-from sumo_reactive.sumo.option_names import GUI_ONLY, INPUT_FILES, OUTPUT_FILES, SPECIAL_FILES, canonical
+from sumo_reactive.sumo.option_names import INPUT_FILES, LEFT_OUT, OUTPUT_FILES, SPECIAL_FILES, canonical
 
 MAX_STEP_LENGTH_S = 1.0
 DEFAULT_STEP_LENGTH_S = 0.1
@@ -27,6 +27,9 @@ OVERRIDES = {
 }
 """Option: (value used, SUMO's default). What would hide harm, or make two runs differ."""
 
+_PORT, _NO_PORT = "remote-port", "0"
+"""Where a port is given, SUMO waits for a client to connect and tell it to step."""
+
 _LOGS = ("no-warnings", "verbose", "log", "error-log", "message-log")
 _FOR_SHOW = re.compile(r"poly|poi|view|gui|background|decal", re.IGNORECASE)
 """Names of additional files that only draw something."""
@@ -35,23 +38,23 @@ _FOR_SHOW = re.compile(r"poly|poi|view|gui|background|decal", re.IGNORECASE)
 def runnable_config(config: SumoConfig, folder: Path) -> tuple[Path, tuple[Override, ...]]:
     """Return a configuration that SUMO runs without a window, and what it leaves out.
 
-    That is the file itself, or a copy in `folder` where it has options that only a window needs, or names missing files
-    that only draw something. A missing file of any other kind raises ScenarioError.
+    That is the file itself, or a copy in `folder` where it has options that only a window needs or that let SUMO end
+    before it runs, or names missing files that only draw something. A missing file of any other kind raises ScenarioError.
     """
-    gui = {name: value for name, value in config.options.items() if name in GUI_ONLY}
+    needless = {name: value for name, value in config.options.items() if name in LEFT_OUT}
     missing = [file for file in config.additional_files if not file.exists()]
     for file in missing:
         if not _FOR_SHOW.search(file.name):
             raise ScenarioError(f"{file}: no such file (additional-files of {config.path})")
-    if not gui and not missing:
+    if not needless and not missing:
         return config.path, ()
     copy = folder / "runnable.sumocfg"
-    _written(config, gui, missing).write(copy, encoding="utf-8", xml_declaration=True)
-    left_out = [(name, value, "left out") for name, value in gui.items()]
+    _written(config, needless, missing).write(copy, encoding="utf-8", xml_declaration=True)
+    left_out = [(name, value, "left out") for name, value in needless.items()]
     return copy, (*left_out, *(("additional-files", str(file), "left out: missing") for file in missing))
 
 
-def _written(config: SumoConfig, gui: Mapping[str, str], missing: Sequence[Path]) -> ElementTree[Element]:
+def _written(config: SumoConfig, needless: Mapping[str, str], missing: Sequence[Path]) -> ElementTree[Element]:
     root = Element("configuration")
     for name, value in config.options.items():
         kept = value
@@ -59,7 +62,7 @@ def _written(config: SumoConfig, gui: Mapping[str, str], missing: Sequence[Path]
             kept = ",".join(str(file) for file in config.additional_files if file not in missing)
         elif name in INPUT_FILES or name in OUTPUT_FILES:
             kept = ",".join(_absolute(config.path.absolute().parent, part.strip()) for part in value.split(","))
-        if name not in gui and (kept or name != "additional-files"):
+        if name not in needless and (kept or name != "additional-files"):
             SubElement(root, name, {"value": kept})
     return ElementTree(root)
 
@@ -91,10 +94,14 @@ def sumo_arguments(
     `sumo_options` go last, unchanged; an option named there is the user's, not ours.
     """
     given = {canonical(option.lstrip("-").partition("=")[0]) for option in sumo_options if option.startswith("-")}
+    if _PORT in given:
+        raise ScenarioError(f"option '{_PORT}': SUMO runs inside this program and would wait for a client for ever")
     ours = {name: used for name, (used, _) in OVERRIDES.items()} | {"seed": str(seed), "step-length": f"{step_length_s:g}"}
+    if _PORT in config.options:
+        ours[_PORT] = _NO_PORT
     defaults = {name: default for name, (_, default) in OVERRIDES.items()} | {"seed": str(seed), "step-length": "1"}
     ours = {name: used for name, used in ours.items() if name not in given}
-    said = {name: config.options.get(name, defaults[name]) for name in ours}
+    said = {name: config.options.get(name, defaults.get(name, "")) for name in ours}
     changed = tuple((name, said[name], used) for name, used in ours.items() if not _same(said[name], used))
     arguments = ["--configuration-file", str(runnable)]
     for name, used in (ours | _silence(config, given)).items():

@@ -1,4 +1,4 @@
-"""SUMO's option names: which hold files, which only a window needs, and what else they are called (SUMO 1.28)."""
+"""SUMO's option names: which hold files, which a run does without, and what else they are called (SUMO 1.28)."""
 
 from __future__ import annotations
 
@@ -16,6 +16,12 @@ GUI_ONLY = _names(
 )
 """Section "GUI Only Options" of `sumo --help`, and the two that only sumo-gui builds with 3D know."""
 
+INSTEAD_OF_RUNNING = _names("help save-configuration save-schema save-template version")
+"""SUMO prints or writes what it is asked for, and ends with nothing loaded."""
+
+LEFT_OUT = GUI_ONLY | INSTEAD_OF_RUNNING
+"""What a run does without; some of it is an error or the end where there is no window."""
+
 SYNONYMS = {
     "n": "net-file", "net": "net-file", "r": "route-files", "routes": "route-files", "a": "additional-files",
     "additional": "additional-files", "w": "weight-files", "weights": "weight-files", "b": "begin", "e": "end",
@@ -25,7 +31,8 @@ SYNONYMS = {
     "T": "disable-textures", "tripinfo": "tripinfo-output", "summary": "summary-output",
     "vehroutes": "vehroute-output", "personinfo": "personinfo-output", "personroutes": "personroute-output",
     "person-fcd": "person-fcd-output", "statistics-output": "statistic-output", "ndump": "netstate-dump",
-    "netstate": "netstate-dump", "netstate-output": "netstate-dump", "device.fcd-replay.file": "device.fcd-replay.files",
+    "netstate": "netstate-dump", "netstate-output": "netstate-dump", "C": "save-configuration",
+    "save-config": "save-configuration", "V": "version", "?": "help", "device.fcd-replay.file": "device.fcd-replay.files",
 }  # fmt: skip
 """From the `synonymes` of `sumo --save-template`: those of options that are read or hold files."""
 

@@ -35,9 +35,21 @@ def conflict_regions(owns: Sequence[Connection], junction: Junction) -> dict[str
     points, path_numbers = _indexed_points(junction.connections)
     lines = shapely.linestrings(points, indices=path_numbers)
     widths = [connection.width if connection.is_crossing else SWEPT_WIDTH_M for connection in junction.connections]
-    sweeps = shapely.buffer(lines, 0.5 * np.array(widths), cap_style="flat", quad_segs=_ARC_SEGMENTS)
+    sweeps = _bands(lines, 0.5 * np.array(widths), _ARC_SEGMENTS)
     position = {connection.id: i for i, connection in enumerate(junction.connections)}
     return {own.id: _regions_of(position[own.id], junction, lines, sweeps) for own in owns}
+
+
+def _bands(lines: Any, half_widths: Any, arc_segments: int = 8) -> Any:
+    """Return the areas swept along `lines` up to `half_widths` m on each side, valid ones.
+
+    With flat ends, the outline that GEOS draws of a hairpin crosses itself where the legs are nearer to each other than the
+    band is wide. The structure of its rings, not its lines, then tells what is inside: both legs, and where they overlap.
+    """
+    bands = shapely.buffer(lines, half_widths, cap_style="flat", quad_segs=arc_segments)
+    if np.all(shapely.is_valid(bands)):
+        return bands
+    return shapely.make_valid(bands, method="structure", keep_collapsed=False)
 
 
 def _indexed_points(connections: Sequence[Connection]) -> tuple[Points, Any]:
@@ -69,11 +81,11 @@ def hold_back(approach: Polyline, ways: Sequence[Points]) -> tuple[float, tuple[
     """
     start = max(approach.length - HOLD_BACK_REACH_M, 0.0)
     line = shapely.linestrings(cut(approach, start, approach.length))
-    band = shapely.buffer(line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+    band = _bands(line, 0.5 * SWEPT_WIDTH_M)
     near = [i for i, way in enumerate(ways) if _bounds_meet(band.bounds, way)]
     if not near:
         return 0.0, ()
-    bands = shapely.buffer([shapely.linestrings(ways[i]) for i in near], 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+    bands = _bands([shapely.linestrings(ways[i]) for i in near], 0.5 * SWEPT_WIDTH_M)
     overlaps = shapely.intersection(band, bands)
     found = {i: part for i, part in zip(near, overlaps, strict=True) if part.area > UNDECLARED_REGION_AREA_M2}
     if not found:

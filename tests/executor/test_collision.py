@@ -36,14 +36,16 @@ def test_boxes_that_only_touch_do_not_overlap():
     assert not boxes_overlap(0.0, 0.0, 0.0, 4.0, 2.0, 0.0, 2.0, 0.0, 4.0, 2.0)
 
 
-def collides(speed: float, *others: tuple[float, ...], horizon: float = 10.0, turn: float = 0.0) -> bool:
+def collides(
+    speed: float, *others: tuple[float, ...], horizon: float = 10.0, turn: float = 0.0, left: float = math.inf
+) -> bool:
     """Whether an ego with its rear axle at the origin, braking with 9 m/s² from now on, hits one of the others.
 
-    They turn by `turn` rad/s.
+    They turn by `turn` rad/s, and leave the road `left` m farther on.
     """
     return braking_collides(
         0.0, 0.0, 0.0, speed, 0.0, CAR.wheelbase, CAR.front_to_rear_axle, CAR.length, CAR.width, 9.0,
-        np.array([(*other, turn) for other in others]).reshape(-1, 7), 0.0, horizon, 0.1,
+        np.array([(*other, turn, left) for other in others]).reshape(-1, 8), 0.0, horizon, 0.1,
     )  # fmt: skip
 
 
@@ -110,3 +112,10 @@ def test_who_would_turn_across_its_path_is_the_pilots_matter():
 def test_who_comes_towards_it_whichever_way_he_goes_is_braked_for():
     oncoming = (CAR.front_to_rear_axle + 5.0, 0.3, math.pi, 9.0, 4.3, 1.8)
     assert collides(6.0, oncoming, horizon=0.7, turn=0.1)
+
+
+def test_who_leaves_the_road_before_they_meet_is_not_braked_for():
+    """He comes from the right, and would be before the ego in 0.4 s."""
+    arriving = (CAR.front_to_rear_axle + 2.0, -6.0, 0.5 * math.pi, 12.0, 4.3, 1.8)
+    assert collides(6.0, arriving, horizon=0.7)
+    assert not collides(6.0, arriving, horizon=0.7, left=2.0)

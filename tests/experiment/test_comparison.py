@@ -153,9 +153,9 @@ def test_both_runs_play_the_same_traffic_to_the_same_time(small):
 
 
 def test_a_run_whose_ego_is_still_under_way_at_the_horizon_ends_when_the_other_does(tmp_path):
-    ends, scenario = [], replace(load_scenario(FOUR_WAY), until_end=True, horizon_s=34.0)  # SUMO's own arrives after 33.5 s
+    ends, scenario = [], replace(load_scenario(FOUR_WAY), until_end=True, horizon_s=33.6)  # SUMO's own arrives after 33.5 s
     for run in (run_sumo_driver, run_trial):
         totals = tmp_path / f"{run.__name__}.xml"
         result = run(replace(scenario, sumo_options=("--statistic-output", str(totals))))
         ends.append((result.arrived, totals.read_text(encoding="utf-8").partition(' end="')[2].partition('"')[0]))
-    assert ends == [(True, "46.10"), (False, "46.10")]
+    assert ends == [(True, "45.70"), (False, "45.70")]

@@ -167,7 +167,7 @@ def _crossing(mutual: bool = False) -> RoadGraph:
 
 
 def _one_brakes(t, braking, route=("snin", "snout")):
-    speed = 10.0 if t < 0.15 else 10.0 - 0.1 * braking
+    speed = 10.0 - braking * max(t - 0.1, 0.0)
     return [user(x=0.0, y=-25.0, heading=math.pi / 2, speed=speed, lane="snin_0", position=25.0, route=route)]
 
 
@@ -183,6 +183,16 @@ def _one_brakes(t, braking, route=("snin", "snout")):
 )
 def test_who_has_priority_and_must_brake_hard_is_obstructed(x, braking, mutual, route, violations):
     jury = Jury(5.0, 1.8, 3.0, _crossing(mutual))
-    drive(jury, lambda t: record(t, x=x, speed=1.0, lane_id=":j_0_0"), lambda t: _one_brakes(t, braking, route), 4)
+    drive(jury, lambda t: record(t, x=x, speed=1.0, lane_id=":j_0_0"), lambda t: _one_brakes(t, braking, route), 8)
     assert len(jury.violations) == violations
     assert [v.user_id for v in jury.violations] == ["other"] * violations
+
+
+@pytest.mark.parametrize(("dip", "violations"), [(0.45, 0), (2.0, 1)])
+def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(dip, violations):
+    jury = Jury(5.0, 1.8, 3.0, _crossing())
+    one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=25.0, route=("snin", "snout"))
+    for k in range(20):
+        speed = 14.0 - dip * (k == 12)
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=speed),)))
+    assert len(jury.violations) == violations

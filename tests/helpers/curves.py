@@ -65,7 +65,8 @@ def seen(
 ) -> Snapshot:
     """Return what the executor needs to know of a car near arc length `s` of C and of the `users` around it."""
     at, d = locate(state, plan, CAR, s)
-    boxes = np.array([(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width, 0.0) for u in users]).reshape(-1, 7)
+    boxes = [(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width, 0.0, math.inf) for u in users]
+    boxes = np.array(boxes).reshape(-1, 8)
     return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), leaders, (), (), {})
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import pytest
-from kinds import car, cross, driven, program, standing, stream
+from kinds import ARMS, car, cross, driven, node, program, standing, stream
 
 LIGHTS = cross("traffic_light")
 """Letters: n, e, s, w; of each: right, straight on, left."""
@@ -57,6 +60,18 @@ def test_a_program_without_yellow_stops_whoever_can_stop(tmp_path, green):
     light = program("c", (green, MAIN), (12, SIDE), (40, MAIN))
     run = driven(tmp_path, LIGHTS, car("ego", "wc ce"), stream("n", "nc cs", [green, green + 2]), extra=light)
     assert run.complaints(red=green < 4.5) == []
+
+
+@pytest.mark.parametrize("turned", [-20.0, 33.0])
+def test_a_car_inserted_on_a_lane_shorter_than_itself_waits_at_its_end_for_green(tmp_path, turned):
+    """Its front is on the line: not in the junction, though coordinates say so by less than they are exact."""
+    arm, (x, y) = 11.0, (math.cos(math.radians(turned)), math.sin(math.radians(turned)))
+    ends = "".join(node(a, arm * (u * x - v * y), arm * (u * y + v * x)) for a, (u, v) in ARMS.items())
+    net = replace(LIGHTS, nodes=ends + node("c", 0, 0, type="traffic_light"))
+    light = program("c", (12, "r" * 12), (40, "g" * 12))
+    run = driven(tmp_path, net, car("ego", "wc ce", departSpeed="0"), extra=light)
+    assert run.complaints() == []
+    assert [letter for _, letter in run.ego.lights] == ["g"]
 
 
 def test_right_on_red_stops_first_and_then_takes_a_gap(tmp_path):

@@ -57,3 +57,12 @@ def test_who_comes_beside_an_ego_that_swings_out_to_turn_round_is_let_past(tmp_p
     beside = stream("x", "ab bc", [6.0 - ahead + 2.0 * k for k in range(8)], departLane=0)
     run = driven(tmp_path, net, car("ego", "ab ba", 3, departLane=1), beside)
     assert run.complaints(slower=2.5) == []  # the stream lasts as long as SUMO's own driver takes, which turns on the spot
+
+
+@pytest.mark.parametrize("behind", [0, 5, 10])
+def test_who_is_alongside_is_not_cut_off_where_the_change_is_due_on_a_later_road(tmp_path, behind):
+    nodes = node("a", 0, 0) + node("b", 150, 0) + node("c", 300, 0) + node("d", 400, 0)
+    net = Net(nodes, edge("ab", numLanes=2) + edge("bc", numLanes=2) + edge("cd"), link("bc cd", "10"))
+    beside = car("x", "ab bc cd", departLane=1, departPos=60 - behind, type="calm")
+    run = driven(tmp_path, net, car("ego", "ab bc cd", departLane=0, departPos=60), beside)
+    assert run.complaints() == []

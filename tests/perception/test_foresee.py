@@ -8,7 +8,7 @@ from helpers.cars import BODY
 from helpers.situations import before
 
 from sumo_reactive.parameters import PATH_STEP_M
-from sumo_reactive.perception.foresee import foresee, paths_ahead, turn_rate
+from sumo_reactive.perception.foresee import foresee, paths_ahead, places_after, turn_rate, way_left
 
 SECONDS = 40.0
 """Long enough for every car here to come to the end of its path."""
@@ -113,3 +113,32 @@ def test_a_car_that_is_about_to_turn_left_turns_left_as_its_way_does(ego):
 
 def test_where_the_ways_part_nobody_is_taken_to_turn(ego):
     assert turn_rate(ego.graph, ego.other("x", LANE, -1.0, 8.0, ()), 0.7) == 0.0
+
+
+@pytest.mark.parametrize("askew", [0.6, -0.6])
+def test_a_car_whose_rear_is_still_in_the_bend_turns_until_it_lies_along_its_lane(ego, askew):
+    """Its front has just come onto a straight lane; in 0.7 s it will be 6.6 m along it, all of its body on the lane."""
+    coming_out = ego.other("x", "to_west_0", 1.0, 8.0, ("to_west",))
+    turned = 0.7 * turn_rate(ego.graph, coming_out._replace(heading=coming_out.heading + askew), 0.7)
+    assert turned == pytest.approx(-askew, abs=0.05)
+
+
+def test_a_slow_car_comes_out_of_its_bend_as_far_as_it_drives(ego):
+    coming_out = ego.other("x", "to_west_0", 1.0, 1.5, ("to_west",))
+    turned = 0.7 * turn_rate(ego.graph, coming_out._replace(heading=coming_out.heading + 0.6), 0.7)
+    assert -0.3 < turned < -0.05
+
+
+def test_a_route_ends_with_its_last_lane(ego):
+    lane = ego.graph.lanes["from_west_0"]
+    assert way_left(ego.graph, ego.other("x", lane.id, -12.0, 8.0, ("from_west",))) == pytest.approx(12.0)
+    for route in ((), ("from_west", "to_east")):
+        assert way_left(ego.graph, ego.other("x", lane.id, -12.0, 8.0, route)) == math.inf
+
+
+def test_a_car_may_be_on_any_way_that_its_route_leaves_it_and_straight_on(ego):
+    turning = ego.other("x", LANE, -2.0, 8.0, ("from_east", "to_south"))
+    straight, turned = places_after(ego.graph, turning, 1.0)
+    assert straight[:2] == pytest.approx((turning.x - 8.0, turning.y), abs=0.1)
+    assert math.dist(turned[:2], straight[:2]) > 1.0
+    assert len(places_after(ego.graph, turning._replace(route=()), 1.0)) >= 4

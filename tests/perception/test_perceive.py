@@ -102,7 +102,7 @@ def test_without_others_there_is_nothing_to_see(ego):
 def test_the_boxes_of_those_near_tell_place_motion_size_and_turning(ego):
     user = ego.other("ahead", "from_south_0", -3.0, 2.0, ())
     (box,) = ego.seen(user).boxes.tolist()
-    assert box == pytest.approx([user.x, user.y, user.heading, 2.0, BODY.length, BODY.width, 0.0])
+    assert box == pytest.approx([user.x, user.y, user.heading, 2.0, BODY.length, BODY.width, 0.0, math.inf])
 
 
 def test_a_car_on_the_lane_that_the_route_needs_is_a_neighbour():
@@ -119,3 +119,24 @@ def test_an_unknown_place_is_seen_but_means_nothing(ego):
     assert not seen.foes
     assert len(seen.boxes) == 1
     assert math.isfinite(seen.s)
+
+
+@pytest.mark.parametrize(("away", "is_led"), [(4.0, False), (0.5, True)])
+def test_who_comes_across_the_bend_of_c_is_stayed_behind_unless_he_will_have_left_it(away, is_led):
+    """The ego is to turn left with 8 m/s; the other drives straight on with 12 m/s and has nearly passed the middle."""
+    ego = before(PRIORITY, FROM_SOUTH, away, 8.0)
+    oncoming = ego.other("north", ego.graph.connections["from_north_0->to_south_0"].parts[0], 10.0, 12.0, ("to_south",))
+    seen = ego.seen(oncoming)
+    (obstacle,) = seen.on_path
+    assert obstacle.along < -abs(obstacle.across)
+    assert [leader.user_id for leader in seen.leaders] == ["north"] * is_led
+
+
+@pytest.mark.parametrize(("at", "is_led"), [(13.0, False), (10.0, True)])
+def test_who_crosses_is_stayed_behind_unless_the_rest_of_him_will_have_crossed(at, is_led):
+    """The ego, with 9 m/s, would be there in 0.74 s. The other drives 3.1 m until 0.5 s before that."""
+    ego = before(PRIORITY, ("from_south", "to_north"), 2.0, 9.0)
+    crossing = ego.other("west", ego.graph.connections["from_west_0->to_east_0"].parts[0], at, 13.0, ("to_east",))
+    seen = ego.seen(crossing)
+    assert len(seen.on_path) == 1
+    assert [leader.user_id for leader in seen.leaders] == ["west"] * is_led

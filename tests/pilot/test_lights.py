@@ -5,6 +5,7 @@ from helpers.situations import before
 
 from sumo_reactive.messages.decision import Reason, StopAt
 from sumo_reactive.parameters import HARD_STOP_MARGIN_M, YELLOW_DECELERATION
+from sumo_reactive.pilot.lights import has_passed
 
 CROSSING = "signalised_left_turns"
 STRAIGHT = ("from_south", "to_north")
@@ -33,6 +34,16 @@ def test_red_and_red_with_yellow_stop_at_the_line(letter, away, speed):
     ego = before(CROSSING, STRAIGHT, away, speed)
     stop = ego.stop(lights=letters(letter, ego.connection.light.index))
     assert (stop.reason, stop.s, stop.cause) == (Reason.RED_LIGHT, ego.line, "centre")
+
+
+@pytest.mark.parametrize("letter", "ruy")
+def test_a_car_that_stands_with_its_front_on_the_line_has_its_light_before_it(letter):
+    assert stop_for(letter, 0.0, 0.0) is not None
+
+
+@pytest.mark.parametrize(("front", "passed"), [(-1.0, False), (0.0, False), (1e-5, False), (0.1, True), (5.0, True)])
+def test_a_line_is_passed_by_more_than_places_on_it_are_exact(front, passed):
+    assert has_passed(20.0, 20.0 + front) is passed
 
 
 @pytest.mark.parametrize("letter", "yY")

@@ -2,7 +2,7 @@
 
 import pytest
 from helpers.cars import CAR
-from helpers.situations import before
+from helpers.situations import PERIOD, before
 
 from sumo_reactive.messages.completed_plan import Intent
 from sumo_reactive.messages.decision import Behaviour, Reason
@@ -109,6 +109,13 @@ def test_oncoming_left_turners_pass_each_other():
     assert ego.stop(other, lights=GREEN) is None
 
 
+@pytest.mark.parametrize(("speed", "waits"), [(11.0, False), (14.0, True)])
+def test_the_ego_trusts_an_oncoming_left_turner_that_can_stop_at_its_place_inside(speed, waits):
+    ego = before("signalised_left_turns", SOUTH_NORTH, 8.0, 8.0)
+    turner = ego.other("turner", "from_north_1", -14.0, speed, ("from_north", "to_east"))
+    assert (ego.stop(turner, lights=GREEN) is not None) == waits
+
+
 # --- right before left ----------------------------------------------------------------------------------------------
 
 
@@ -139,6 +146,19 @@ def test_at_an_all_way_stop_who_stopped_before_goes_first(route):
     ego = having_stopped_for(1.0)
     completed = ego.step(on(ego, route, -1.0, 0.0, waiting=2.5)).completed
     assert (completed.stop.reason, completed.stop.cause) == (Reason.WAIT_FOR_TURN, route[0])
+    assert completed.intent is Intent.YIELD  # or the two would wait for each other
+
+
+def test_at_an_all_way_stop_the_ego_means_to_go_next_once_the_one_before_has_started():
+    completed = having_stopped_for(1.0).step(on(having_stopped_for(1.0), NORTH_SOUTH, -0.9, 0.4)).completed
+    assert completed.stop.reason is Reason.WAIT_FOR_TURN
+    assert completed.intent is Intent.GO_NEXT
+
+
+def test_at_an_all_way_stop_the_ego_means_to_go_next_before_it_goes_because_the_other_does_not_start():
+    ego = having_stopped_for(2.5)
+    completed = ego.step(on(ego, NORTH_SOUTH, -1.0, 0.0, waiting=5.5)).completed
+    assert completed.stop.reason is Reason.WAIT_FOR_TURN
     assert completed.intent is Intent.GO_NEXT
 
 
@@ -153,11 +173,42 @@ def test_at_an_all_way_stop_the_ego_goes_before_who_still_approaches():
     assert ego.stop(on(ego, NORTH_SOUTH, -20.0, 8.0)) is None
 
 
+def test_at_an_all_way_stop_the_ego_goes_before_who_brakes_for_its_line():
+    """Cars brake for it with just what is theirs, 4.5 m/s²."""
+    ego = having_stopped_for(1.0)
+    for away in (4.0, 8.0, 16.0):
+        assert ego.stop(on(ego, NORTH_SOUTH, -away, (2.0 * 4.5 * away) ** 0.5)) is None
+
+
+def test_at_an_all_way_stop_the_ego_does_not_go_before_who_can_no_longer_stop():
+    ego = having_stopped_for(1.0)
+    assert ego.stop(on(ego, NORTH_SOUTH, -8.0, 10.5)) is not None
+
+
 # --- regions --------------------------------------------------------------------------------------------------------
 
 
 def inside(ego, connection, at, speed, to):
     return ego.other("inside", ego.graph.connections[connection].parts[0], at, speed, (to,))
+
+
+THROUGH = "from_south_0->to_north_0"
+
+
+def test_the_ego_starts_behind_a_car_that_has_nowhere_left_to_wait():
+    """It could still stop before the region, but only in others' way."""
+    ego = having_stopped_for(1.0)
+    assert ego.stop(inside(ego, THROUGH, 1.0, 6.0, "to_north")) is None
+
+
+def test_the_ego_starts_sooner_behind_a_car_that_gains_speed():
+    def waits_behind(gain):
+        ego = having_stopped_for(1.0)
+        way = lambda t: 1.0 + 3.0 * t + 0.5 * gain * t * t  # noqa: E731
+        steps = ego.driven_among(lambda t: [inside(ego, THROUGH, way(t), 3.0 + gain * t, "to_north")], 1.6)
+        return sum(step.completed.stop is not None for step in steps) * PERIOD
+
+    assert waits_behind(2.0) < waits_behind(0.0) - 0.5
 
 
 @pytest.mark.parametrize("route", [WEST_EAST, SOUTH_NORTH], ids=["with priority", "without"])

@@ -78,3 +78,22 @@ def test_a_move_waits_while_somebody_is_in_its_way_and_goes_on_then():
     moved = [step.snapshot.front - ego.seen().front for step in steps]
     assert max(moved[:79]) < 0.9
     assert steps[-1].drive.ego.pose.heading > ego.ego.pose.heading + 0.3
+
+
+def test_the_ego_makes_its_full_stop_where_it_turns_round():
+    ego = before("blocked_lane", STREET, 10.0, 5.0)
+    passage = ego.plan.passages[0]
+    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", "eastbound_out_0", 1, (), 20.0)
+    (way,) = replace(ego, plan=replace(ego.plan, turnarounds=(turn,))).considered().ways
+    assert (way.turn, way.line) == (turn, turn.start)
+    assert ego.considered().ways[0].line == passage.start
+
+
+def test_an_ego_that_is_kept_from_a_move_for_long_goes_on_in_one_sweep():
+    ego, _ = turning(1.0, 0.0)
+    blocker = ego.ahead("x", 0.6, 0.0)
+    steps = ego.driven(30.0, blocker)
+    asked = [step.completed for step in steps if step.completed.request.what is Replanning.CURVE]
+    assert asked
+    assert not asked[0].request.onto
+    assert any(decision.reason is Reason.NO_PROGRESS for decision in asked[0].decisions)

@@ -105,3 +105,37 @@ def test_an_ego_that_swings_over_the_lane_beside_as_it_turns_keeps_its_speed_for
         assert [speed for _, speed in seen] == [5.0] * 6
     finally:
         libsumo.close()
+
+
+def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego(tmp_path):
+    """With somebody on the ego's lane SUMO has it on the one beside to its end, and stops it there for a step."""
+    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(2), "--no-turnarounds")
+    routes = tmp_path / "ego.rou.xml"
+    vehicles = """<routes><vType id="car" sigma="0"/>
+        <vehicle id="ego" depart="0" departLane="1"><route edges="wc cn"/></vehicle>
+        <vehicle id="behind" depart="0" departLane="0" departPos="124" departSpeed="5"><route edges="wc ce"/></vehicle>
+        <vehicle id="left" depart="0" departLane="1" departPos="20" departSpeed="5"><route edges="wc cn"/></vehicle>
+        </routes>"""
+    routes.write_text(vehicles)
+    graph = read_net(net).build(("wc", "cn"))
+    beside, own = graph.lanes["wc_0"].spine, graph.lanes["wc_1"]
+    (turn,) = (c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cn"))
+    inside = graph.lanes[turn.parts[0]]
+    way = [(*beside.at(beside.length + s), own) for s in (-1.5, -1.0, -0.5, 0.0)]
+    way += [(*inside.spine.at(s), inside) for s in (0.5, 1.0)]
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
+    try:
+        libsumo.simulationStep()
+        ego = Ego("ego")
+        ego.take_over(0.1)
+        told, braking = [], []
+        for x, y, lane in way:
+            state = VehicleState(pose_of(x, y, 0.0, ego.limits), 5.0, 0.0)
+            ego.place(state, Intent.DRIVE, 0.1, lane)
+            libsumo.simulationStep()
+            braking.append(libsumo.vehicle.getAcceleration("behind"))
+            told.append((libsumo.vehicle.getSpeed("ego"), ego.lane(state) and libsumo.vehicle.getSpeed("ego")))
+        assert told == [(5.0, 5.0)] * 4 + [(0.0, 5.0), (5.0, 5.0)]  # as SUMO says, and as the others see it
+        assert min(braking[1:]) > -1.0
+    finally:
+        libsumo.close()

@@ -1,5 +1,7 @@
 """How SUMO is started: without a window, files where they were, harm visible, the user's options last."""
 
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -86,6 +88,31 @@ def test_overrides_are_named_where_they_change_what_the_scenario_says(tmp_path):
     }
     assert arguments[arguments.index("--collision.action") + 1] == "warn"
     assert "--no-warnings" in arguments
+
+
+def test_sumo_waits_for_no_client(tmp_path):
+    (tmp_path / "copy").mkdir()
+    inner = '<remote-port value="8813"/><num-clients value="2"/><start value="true"/><quit-on-end value="true"/>'
+    config = scenario(tmp_path, f'<gui-settings-file value="a.view.xml"/><breakpoints value="1"/>{inner}')
+    path, left_out = runnable_config(config, tmp_path / "copy")
+    arguments, changed = sumo_arguments(config, path, seed=42, step_length_s=0.1)
+    assert ("remote-port", "8813", "0") in changed
+    assert {name for name, _, _ in left_out} == {"gui-settings-file", "breakpoints", "start", "quit-on-end"}
+    start = f"import libsumo; libsumo.start(['sumo', *{arguments!r}]); libsumo.simulationStep(); libsumo.close()"
+    subprocess.run([sys.executable, "-c", start], check=True, timeout=30)
+
+
+def test_a_port_asked_for_by_the_user_is_an_error(tmp_path):
+    config = scenario(tmp_path)
+    with pytest.raises(ScenarioError, match="option 'remote-port'"):
+        sumo_arguments(config, config.path, seed=42, step_length_s=0.1, sumo_options=["--remote-port", "8813"])
+
+
+@pytest.mark.parametrize("option", ["save-configuration", "C", "save-template", "save-schema", "version", "help"])
+def test_what_would_end_sumo_before_it_runs_is_left_out(tmp_path, option):
+    path, left_out = runnable_config(scenario(tmp_path, f'<{option} value="true"/>'), tmp_path)
+    assert option not in options_of(path)
+    assert len(left_out) == 1
 
 
 def test_the_users_options_go_last_and_win(tmp_path):

@@ -41,6 +41,27 @@ def test_an_overlap_that_the_network_does_not_declare_counts_if_it_is_substantia
     assert regions_of(EAST, NORTH)
 
 
+HAIRPIN = (
+    (785.8104281572747, 1710.488223768607), (788.25, 1704.84), (796.18, 1686.19), (798.51, 1679.84), (795.27, 1685.79),
+    (786.44, 1704.05), (781.2813877269748, 1714.8846074878877),
+)  # fmt: skip
+"""A bicycle's turn on a real map; its band crosses itself."""
+
+
+def test_a_hairpin_whose_band_crosses_itself_is_met_on_both_legs():
+    turning = connection("v_0->f_0", [*HAIRPIN], 1)
+    across = connection("w_0->e_0", [(780, 1692), (805, 1697)], 0)
+    region = only(regions_of(across, turning))
+    bands = [shapely.LineString(leg).buffer(HALF, cap_style="flat") for leg in (HAIRPIN[:4], HAIRPIN[3:])]
+    own = shapely.LineString(across.path.points).buffer(HALF, cap_style="flat")
+    assert shapely.Polygon(region.polygon).area == pytest.approx(shapely.union_all(bands).intersection(own).area, rel=0.01)
+
+
+def test_a_hairpin_that_reaches_over_the_stop_line_keeps_the_body_back():
+    approach = Polyline(np.array([(775.0, 1692.0), (800.0, 1697.0)]))
+    assert hold_back(approach, [np.array(HAIRPIN)])[0] > 5.0
+
+
 def test_a_slight_overlap_that_the_network_does_not_declare_is_no_conflict():
     beside = connection("v_0->f_0", [(-8, 2.19), (8, 2.19)], 1)
     assert not regions_of(EAST, beside)

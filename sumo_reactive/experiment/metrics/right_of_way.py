@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,8 +19,14 @@ from sumo_reactive.world.road_graph import RoadGraph
 OBSTRUCTED_BRAKING = -3.0
 """m/s²; who has priority and brakes harder is obstructed (comfortable braking is 2 to 3)."""
 
+OBSTRUCTED_FOR_S = 0.5
+"""Braking counts on average over at least so long: SUMO's cars dither by 0.45 m/s from step to step."""
+
 NEAR_MISS_S = 1.0
 """A time to collision below this counts as nearly touching."""
+
+ROUNDING_S = 1e-6
+"""Times of steps are sums."""
 
 APPROACH_M = 50.0
 """A vehicle this close to its stop line is about to use the junction: its braking distance at 16 m/s and 2.5 m/s²."""
@@ -34,8 +41,8 @@ class RightOfWay:
     A user is obstructed when all of this holds: the ego's box is inside a conflict region; the ego's connection yields to
     the user's there, and not the user's to the ego's (so "right before left" counts, an all-way stop does not); the user
     is before or in the region, inside the junction, or, where no light rules (a light's letter may be why it brakes),
-    within 50 m of its stop line on the way to that connection; it moves; and it brakes harder than 3 m/s² or the time to
-    collision with the ego is below 1 s.
+    within 50 m of its stop line on the way to that connection; it moves; and it brakes harder than 3 m/s², on average
+    over half a second, or the time to collision with the ego is below 1 s.
     """
 
     def __init__(self, graph: RoadGraph | None) -> None:
@@ -43,6 +50,7 @@ class RightOfWay:
         self._graph = graph
         self._own: Connection | None = None
         self._obstructed: set[str] = set()
+        self._past: deque[tuple[float, dict[str, float]]] = deque()
 
     def enter(self, graph: RoadGraph) -> None:
         """Judge in another world from now on."""
@@ -52,6 +60,7 @@ class RightOfWay:
         """Note who is newly obstructed."""
         if self._graph is None:
             return
+        self._remember(moment)
         own = self._graph.connection_of.get(moment.step.lane_id)
         if own is not None and own is not self._own:
             self._own, self._obstructed = own, set()
@@ -60,13 +69,28 @@ class RightOfWay:
         if moment.hardest_braking >= OBSTRUCTED_BRAKING and min(moment.times_to_collision) >= NEAR_MISS_S:
             return
         for user, time in zip(moment.users, moment.times_to_collision, strict=True):
-            suffers = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING or time < NEAR_MISS_S
+            brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
+            suffers = brakes or time < NEAR_MISS_S
             if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
                 self._judge(self._graph, self._own, user, moment)
 
     def figures(self) -> Figures:
         """Return the number of users obstructed."""
         return {"right_of_way_violations": len(self.violations)}
+
+    def _remember(self, moment: Moment) -> None:
+        """Keep the speeds (m/s) of the last OBSTRUCTED_FOR_S, and of the step before."""
+        now = moment.step.time
+        while len(self._past) > 1 and self._past[1][0] <= now - OBSTRUCTED_FOR_S + ROUNDING_S:
+            self._past.popleft()
+        self._past.append((now, {user.id: user.speed for user in moment.users}))
+
+    def _has_braked(self, user: RoadUser, now: float) -> bool:
+        """Whether a user has braked hard on average for OBSTRUCTED_FOR_S or a whole step."""
+        since, speeds = self._past[0]
+        if user.id not in speeds or now - since < OBSTRUCTED_FOR_S - ROUNDING_S:
+            return False
+        return (user.speed - speeds[user.id]) / (now - since) < OBSTRUCTED_BRAKING
 
     def _judge(self, graph: RoadGraph, own: Connection, user: RoadUser, moment: Moment) -> None:
         for region, other in _lost(graph, own):

@@ -12,7 +12,7 @@ from sumo_reactive.parameters import (
     STANDING_SPEED,
     STOP_REACHED_M,
 )
-from sumo_reactive.pilot.lights import Signal, letter_of, signal
+from sumo_reactive.pilot.lights import Signal, has_passed, letter_of, signal
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Crossing
 from sumo_reactive.pilot.situation import BehaviourRule, Situation
@@ -30,7 +30,7 @@ def stop_at_line(
     and the memory of a full stop once it is made."""
     connection, place = way.connection, _place(way, snapshot)
     to_line = way.passage.start - snapshot.front
-    if to_line < 0.0:
+    if has_passed(way.passage.start, snapshot.front):
         return None, None, memory
     letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
     to_stop = to_line - HARD_STOP_MARGIN_M if letter in "yY" else to_line
@@ -63,7 +63,8 @@ def intersection_is_near(situation: Situation) -> bool:
     """M approaches an intersection where somebody may cross its path or a light speaks, and has not passed the line."""
     reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * situation.snapshot.ego.speed
     for way, (_, connection, conflicts) in zip(situation.ways, situation.ahead, strict=True):
-        if 0.0 <= way.passage.start - situation.snapshot.front < reach and (conflicts or connection.light):
+        line, front = way.passage.start, situation.snapshot.front
+        if not has_passed(line, front) and line - front < reach and (conflicts or connection.light):
             return True
     return False
 

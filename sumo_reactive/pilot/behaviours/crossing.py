@@ -22,8 +22,10 @@ from sumo_reactive.parameters import (
     OFF_THE_LINE_M,
     PLANNED_DECELERATION,
     REGION_MARGIN_M,
+    SIGN_STOP_DECELERATION,
     STANDING_SPEED,
     TWO_WHEELER_WIDTH_M,
+    WAIT_INTO_M,
     WAIT_SHIFT_M,
     ZIPPER_LEAD_M,
 )
@@ -121,8 +123,11 @@ def judge(
     own = stopping_behind(own, to_clear, snapshot.ego.speed, crossing.stop - front)
     if crossing.turn is not None:
         own = turning(crossing.turn.start - front, snapshot.ego.speed, acceleration, crossing.turn.duration)
-    other = threat(foe, expects_ego=committed)
+    other = threat(foe, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
     may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
+    if not may_follow and _leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
+        may_follow = True
+        own = own._replace(arrival=travel_time(to_region, snapshot.ego.speed, limits.max_acceleration, crossing.pace))
     passes = is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
     return Judgement(_reason(foe), foe, passes, own, other)
 
@@ -157,6 +162,20 @@ def _is_certain(foe: Foe) -> bool:
     """Whether the foe goes through first for certain: too near to stop. One that sees the ego start may hesitate."""
     body = foe.user.body
     return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, 0.0)
+
+
+def _leaves_its_stop(foe: Foe) -> bool:
+    """Whether the foe has started from its all-way stop, and has nowhere left to wait but in others' way."""
+    return foe.conflict.other.control is Control.ALL_WAY_STOP and _room_to_wait(foe) is None
+
+
+def _gaining(foe: Foe, snapshot: Snapshot, memory: PilotMemory) -> float:
+    """How a foe that leaves its all-way stop is seen to gain speed, m/s²."""
+    premises = memory.premises
+    known = None if premises is None else premises.speeds.get(foe.user.id)
+    if premises is None or known is None or snapshot.time <= premises.time or not _leaves_its_stop(foe):
+        return 0.0
+    return (foe.user.speed - known) / (snapshot.time - premises.time)
 
 
 def _is_committed(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> bool:
@@ -227,17 +246,18 @@ def _gives_way(foe: Foe, committed: bool) -> bool:
     room = _room_to_wait(foe)
     if room is None:
         return False
-    return user.speed * user.speed <= 2.0 * FOE_CAN_STOP_DECELERATION * max(room, 0.3)
+    trusted = SIGN_STOP_DECELERATION if all_way and foe.to_stop_line >= 0.0 else FOE_CAN_STOP_DECELERATION
+    return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)
 
 
 def _room_to_wait(foe: Foe) -> float | None:
-    """The foe's way to the place where it would wait for the ego: its line, or inside; None when it has passed both."""
-    if foe.to_stop_line >= 0.0:
-        return foe.to_stop_line
-    wait = foe.conflict.other.wait_at
-    if wait is None or wait > foe.conflict.region.other.start + WAIT_SHIFT_M or wait + foe.to_stop_line < -1.0:
+    """The foe's way to the place where it would wait for the ego: inside, else its line; None when it has passed both."""
+    wait, to_line, start = foe.conflict.other.wait_at, foe.to_stop_line, foe.conflict.region.other.start
+    if to_line >= 0.0:
+        return to_line if wait is None or wait > start + WAIT_INTO_M else to_line + wait
+    if wait is None or wait > start + WAIT_SHIFT_M or wait + to_line < -1.0:
         return None
-    return max(wait + foe.to_stop_line, 0.0)
+    return max(wait + to_line, 0.0)
 
 
 def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
