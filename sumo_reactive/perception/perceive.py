@@ -125,21 +125,21 @@ def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sigh
     tables = [(i, watches_of(graph, plan.passages[i].connection_id)) for i in sight]
     found: list[Foe] = []
     for user in users:
+        lane_id = user.lane_id
         for i, table in tables:
-            watches = table.get(user.lane_id)
-            if watches is not None:
-                (_add_walker if user.body.is_person else _add_foes)(found, user, i, watches)
+            watches = table.get(lane_id)
+            if watches is None:
+                continue
+            if user.body.is_person:
+                _add_walker(found, user, i, watches)
+                continue
+            route, at, length = user.route, user.lane_position, user.body.length
+            for conflict, distance, edges, start, end in watches:
+                to_line = distance - at
+                to_clear = to_line + end + length
+                if to_clear > 0.0 and not (edges and route and edges != route[: len(edges)]):
+                    found.append(Foe(user, i, conflict, to_line, to_line + start, to_clear))
     return found
-
-
-def _add_foes(found: list[Foe], user: RoadUser, passage: int, watches: tuple[Watch, ...]) -> None:
-    """Add to `found` what a user on a lane with `watches` may do to the ego on a passage."""
-    route, at, length = user.route, user.lane_position, user.body.length
-    for conflict, distance, edges, start, end in watches:
-        to_line = distance - at
-        to_clear = to_line + end + length
-        if to_clear > 0.0 and not (edges and route and edges != route[: len(edges)]):
-            found.append(Foe(user, passage, conflict, to_line, to_line + start, to_clear))
 
 
 def _add_walker(found: list[Foe], user: RoadUser, passage: int, watches: tuple[Watch, ...]) -> None:
