@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from functools import lru_cache
 from operator import itemgetter
@@ -26,6 +25,7 @@ from sumo_reactive.parameters import (
     STANDING_SPEED,
 )
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.vehicle.travel_time import travel_time
 from sumo_reactive.world.abreast import abreast_of, beside
 from sumo_reactive.world.junction import Connection
 from sumo_reactive.world.road_graph import RoadGraph
@@ -123,28 +123,17 @@ def _turn(
     """
     top = narrow.other.speed_limit
     pace = max(speed, 0.5 * top)
-    own, inside = _travel_time(left, speed, MAX_ACCELERATION_IN_PLAN, 0.5 * top), narrow.end - narrow.start
+    own, inside = travel_time(left, speed, MAX_ACCELERATION_IN_PLAN, 0.5 * top), narrow.end - narrow.start
     last, turn = None, 0.0
     for theirs, user in coming:
         caught_up = max(inside / pace - inside / max(user.speed, 1.0), 0.0)
         clear = max(own, turn) + limits.length / pace + caught_up + NARROW_LEAD_S
-        if clear < _travel_time(theirs, user.speed, FOE_ACCELERATION, top):
+        if clear < travel_time(theirs, user.speed, FOE_ACCELERATION, top):
             break
         if theirs + user.body.length > 0.0:
             gone = (theirs + user.body.length) / max(user.speed, STANDING_SPEED)
             last, turn = user, max(turn, gone + NARROW_HEADWAY * limits.time_headway + limits.standstill_gap / pace)
     return last, turn
-
-
-def _travel_time(way: float, speed: float, acceleration: float, top_speed: float) -> float:
-    """Time (s) for `way` m from `speed`, speeding up to `top_speed` (m/s)."""
-    if way <= 0.0:
-        return 0.0
-    top = max(speed, top_speed)
-    to_top = (top * top - speed * speed) / (2.0 * acceleration)
-    if way <= to_top:
-        return (math.sqrt(speed * speed + 2.0 * acceleration * way) - speed) / acceleration
-    return (top - speed) / acceleration + (way - to_top) / top
 
 
 def _leader(

@@ -18,19 +18,8 @@ from sumo_reactive.parameters import (
     MERGE_GAP_S,
     STANDING_SPEED,
 )
+from sumo_reactive.vehicle.travel_time import travel_time
 from sumo_reactive.world.regions import ConflictKind
-
-
-def travel_time(distance: float, speed: float, acceleration: float, top_speed: float) -> float:
-    """Least time (s) to cover `distance` m from `speed`, with `acceleration` up to `top_speed`; 0 when behind."""
-    if distance <= 0.0:
-        return 0.0
-    if speed >= top_speed:
-        return distance / max(speed, 0.1)
-    to_top = (top_speed * top_speed - speed * speed) / (2.0 * acceleration)
-    if distance <= to_top:
-        return (math.sqrt(speed * speed + 2.0 * acceleration * distance) - speed) / acceleration
-    return (top_speed - speed) / acceleration + (distance - to_top) / top_speed
 
 
 def gap_for_follower(speed: float, ahead: float, headway: float, braking: float) -> float:

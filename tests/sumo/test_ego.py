@@ -78,18 +78,23 @@ def test_the_ego_asks_for_room_only_while_it_seeks_a_gap(tmp_path):
         libsumo.close()
 
 
+def over_the_lane_beside(net):
+    """The places of an ego that swings over lane wc_0 on its way from wc_1 into the junction, and the lane inside."""
+    graph = read_net(net).build(("wc", "cn"))
+    beside, own = graph.lanes["wc_0"].spine, graph.lanes["wc_1"]
+    (turn,) = (c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cn"))
+    inside = graph.lanes[turn.parts[0]]
+    way = [(*beside.at(beside.length + s), own) for s in (-1.5, -1.0, -0.5, 0.0)]
+    return [*way, *((*inside.spine.at(s), inside) for s in (0.5, 1.0))], inside
+
+
 def test_an_ego_that_swings_over_the_lane_beside_as_it_turns_keeps_its_speed_for_sumo(tmp_path):
     """From the end of a lane that does not lead where the ego goes SUMO would stop it for a step."""
     net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(2), "--no-turnarounds")
     routes = tmp_path / "ego.rou.xml"
     vehicle = '<vehicle id="ego" depart="0" departLane="1"><route edges="wc cn"/></vehicle>'
     routes.write_text(f"<routes>{vehicle}</routes>")
-    graph = read_net(net).build(("wc", "cn"))
-    beside, own = graph.lanes["wc_0"].spine, graph.lanes["wc_1"]
-    (turn,) = (c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cn"))
-    inside = graph.lanes[turn.parts[0]]
-    way = [(*beside.at(beside.length + s), own) for s in (-1.5, -1.0, -0.5, 0.0)]
-    way += [(*inside.spine.at(s), inside) for s in (0.5, 1.0)]
+    way, inside = over_the_lane_beside(net)
     libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
     try:
         libsumo.simulationStep()
@@ -117,12 +122,7 @@ def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego
         <vehicle id="left" depart="0" departLane="1" departPos="20" departSpeed="5"><route edges="wc cn"/></vehicle>
         </routes>"""
     routes.write_text(vehicles)
-    graph = read_net(net).build(("wc", "cn"))
-    beside, own = graph.lanes["wc_0"].spine, graph.lanes["wc_1"]
-    (turn,) = (c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cn"))
-    inside = graph.lanes[turn.parts[0]]
-    way = [(*beside.at(beside.length + s), own) for s in (-1.5, -1.0, -0.5, 0.0)]
-    way += [(*inside.spine.at(s), inside) for s in (0.5, 1.0)]
+    way, _ = over_the_lane_beside(net)
     libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
     try:
         libsumo.simulationStep()

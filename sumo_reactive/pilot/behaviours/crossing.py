@@ -29,12 +29,13 @@ from sumo_reactive.parameters import (
     WAIT_SHIFT_M,
     ZIPPER_LEAD_M,
 )
-from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, stopping_behind, threat, travel_time, turning
+from sumo_reactive.pilot.gaps import Passing, Threat, is_enough, passing, stopping_behind, threat, turning
 from sumo_reactive.pilot.lights import holds_back, letter_of, outranks
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Crossing
 from sumo_reactive.pilot.situation import BehaviourRule, Situation
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.vehicle.travel_time import travel_time
 from sumo_reactive.world.junction import Control
 from sumo_reactive.world.regions import ConflictKind
 
