@@ -10,18 +10,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
 from sumo_reactive.errors import PlanError
 from sumo_reactive.experiment.rerouting import WayRound, way_round
+from sumo_reactive.kernels import load_kernels
 from sumo_reactive.messages.completed_plan import Replanning, Request
 from sumo_reactive.messages.decision import Reason
 from sumo_reactive.messages.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import Traffic
 from sumo_reactive.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
-from sumo_reactive.perception.foresee import turned
 from sumo_reactive.pilot.lights import has_passed, letter_of
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.lane_choice import choose_lanes
@@ -88,8 +86,8 @@ class Trip:
         )  # fmt: skip
         self._drive = Drive(state, self._plan(start), 0.0)
         self._traffic = self._observe()
-        self._controller.step(self._traffic, self._drive, self.step_length)  # loads the kernels: a step is a pure function
-        turned(np.zeros((2, 3)), 0.0, 1.0, 0.0, 5.0)  # nobody may be near yet
+        self._controller.step(self._traffic, self._drive, self.step_length)  # what it calls is loaded: a step is pure
+        load_kernels()
 
     @property
     def has_ended(self) -> bool:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Iterator
+from struct import pack_into
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.geometry.curve import project_on_curve
 from sumo_reactive.messages.plan import NominalPlan
-from sumo_reactive.messages.snapshot import Foe, Neighbour, PathObstacle, Snapshot
+from sumo_reactive.messages.snapshot import Neighbour, PathObstacle, Snapshot
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import (
@@ -23,9 +23,10 @@ from sumo_reactive.parameters import (
     TURN_FORESEEN_S,
 )
 from sumo_reactive.perception.abreast import ahead_at_narrows, narrows_of
-from sumo_reactive.perception.attention import Watch, in_sight, lane_axis, lane_sought, place_beside, watches_of
+from sumo_reactive.perception.attention import in_sight, lane_axis, lane_sought, place_beside
 from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes, touchable
 from sumo_reactive.perception.cuts import next_cut
+from sumo_reactive.perception.foes import foes_of
 from sumo_reactive.perception.foresee import places_after, turn_rate, way_left
 from sumo_reactive.perception.leaders import leaders, time_to_meet
 from sumo_reactive.perception.static import static_near
@@ -63,7 +64,7 @@ def perceive(
     boxes = _boxes(traffic.users, graph, ego, limits)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
-    foes = tuple(_foes((*traffic.users, *traffic.beside), plan, graph, sight)) if sight else ()
+    foes = foes_of((*traffic.users, *traffic.beside), plan, graph, sight) if sight else ()
     sought = lane_sought(graph, plan, front)
     cut = None if sought else next_cut(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought
@@ -82,11 +83,15 @@ def perceive(
 
 def _boxes(users: tuple[RoadUser, ...], graph: RoadGraph, ego: VehicleState, limits: VehicleLimits) -> Array:
     """Return the boxes (n, 8) of `users`; who cannot be touched within the foreseen time has no turn rate, and no end."""
+    if not users:
+        return _NO_BOXES
     flat: list[float] = []
     for user in users:
         body = user.body
         flat += (user.x, user.y, user.heading, user.speed, body.length, body.width, 0.0, math.inf)
-    boxes = np.frombuffer(array("d", flat)).reshape(-1, 8) if flat else _NO_BOXES
+    packed = bytearray(8 * len(flat))
+    pack_into(f"{len(flat)}d", packed, 0, *flat)
+    boxes = np.frombuffer(packed).reshape(-1, 8)
     pose = ego.pose
     for k in touchable(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length).tolist():
         if not users[k].body.is_person:
@@ -119,47 +124,6 @@ def _passes_by(
     boxes = np.array(places_after(graph, user, time))
     band = band_of(curve, limits)
     return not len(blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, behind, obstacle.end, *band)[0])
-
-
-def _foes(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> list[Foe]:
-    tables = [(i, watches_of(graph, plan.passages[i].connection_id)) for i in sight]
-    found: list[Foe] = []
-    for user in users:
-        lane_id = user.lane_id
-        for i, table in tables:
-            watches = table.get(lane_id)
-            if watches is None:
-                continue
-            if user.body.is_person:
-                _add_walker(found, user, i, watches)
-                continue
-            route, at, length = user.route, user.lane_position, user.body.length
-            for conflict, distance, edges, start, end in watches:
-                to_line = distance - at
-                to_clear = to_line + end + length
-                if to_clear > 0.0 and not (edges and route and edges != route[: len(edges)]):
-                    found.append(Foe(user, i, conflict, to_line, to_line + start, to_clear))
-    return found
-
-
-def _add_walker(found: list[Foe], user: RoadUser, passage: int, watches: tuple[Watch, ...]) -> None:
-    """Add to `found` what a pedestrian may do to the ego on a passage."""
-    for watch in watches:
-        if watch.edges and user.route and watch.edges != user.route[: len(watch.edges)]:
-            continue
-        foe = _walker(user, passage, watch)
-        if foe.to_clear > 0.0:
-            found.append(foe)
-
-
-def _walker(user: RoadUser, passage: int, watch: Watch) -> Foe:
-    """A pedestrian may walk along the crossing's path or against it, and stand before it."""
-    conflict, at = watch.conflict, user.lane_position
-    to_step_on = max(-at, at - conflict.other.path.length)
-    start, end = watch.start, watch.end
-    forward = math.cos(user.heading - conflict.other.path.heading_at(at)) >= 0.0
-    to_region, to_clear = (start - at, end - at) if forward else (at - end, at - start)
-    return Foe(user, passage, conflict, to_step_on if to_step_on > 0.0 else -1.0, to_region, to_clear)
 
 
 def _neighbours(

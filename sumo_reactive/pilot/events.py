@@ -71,6 +71,7 @@ def premises_of(
         is_standing=snapshot.ego.speed < STANDING_SPEED,
         is_off_nominal=_is_off_nominal(snapshot, plan),
         is_seeking=is_seeking,
+        is_settled=is_settled,
         trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
 
@@ -80,6 +81,8 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> Iter
     for light, letters in snapshot.lights.items():
         if premises.lights.get(light) != letters:
             yield Event(EventKind.LIGHT_CHANGE, light)
+    if premises.is_settled:
+        return
     speeds, trusted = _speeds(snapshot), premises.speeds
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)

@@ -16,8 +16,8 @@ class Premises(NamedTuple):
 
     `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `foes`: ids of those that
     could reach each region. `stages`: how far the ego had come in each passage in sight. `is_seeking`: it sought a
-    gap for a lane change. `trusted_until` (s): how long
-    the forecast of the others holds.
+    gap for a lane change. `is_settled`: it rests on none of the others, for a light or a time decides. `trusted_until` (s):
+    how long the forecast of the others holds.
     """
 
     plan: NominalPlan
@@ -29,6 +29,7 @@ class Premises(NamedTuple):
     is_standing: bool
     is_off_nominal: bool
     is_seeking: bool
+    is_settled: bool
     trusted_until: float
 
 

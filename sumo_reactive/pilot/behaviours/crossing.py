@@ -270,6 +270,9 @@ def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
 
 
 def _nearest_stop(snapshot: Snapshot, limits: VehicleLimits) -> float:
+    """Arc length at which the ego can stop; one that stands a little too far in waits there as well."""
+    if snapshot.ego.speed < STANDING_SPEED:
+        return snapshot.front - WAIT_INTO_M
     return snapshot.front + snapshot.ego.speed**2 / (2.0 * limits.service_deceleration)
 
 
