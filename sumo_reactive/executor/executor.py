@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -294,6 +295,8 @@ def execute(
     ego = snapshot.ego
     wish = desired_speed(snapshot, completed, limits, period)
     wanted = _without_jerk(wish, ego, period)
+    if wanted <= 0.0 and ego.speed == 0.0 and not nine_commands:  # there is nothing to choose
+        return Execution(Command(0.0, 0.0), replace(ego, acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
     if nine_commands:
         grid = paper_grid(limits, ego.speed, period)
     else:

@@ -27,8 +27,8 @@ from sumo_reactive.pilot.lane_changing import seeks
 from sumo_reactive.pilot.memory import PilotMemory, Premises
 from sumo_reactive.pilot.passages import Ahead
 
-FAR, NEAR, ENTERING, INSIDE, LEFT = range(5)
-"""How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it, out."""
+FAR, NEAR, ENTERING, INSIDE = range(4)
+"""How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""
 
 
 def detect(
@@ -50,15 +50,15 @@ def detect(
 
 
 def premises_of(
-    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, *, is_watchful: bool, is_settled: bool
+    snapshot: Snapshot, made: CompletedPlan, ahead: Ahead, judged: frozenset[str], *, is_watchful: bool, is_settled: bool
 ) -> Premises:
-    """Return what a decision made now rests on.
+    """Return what the decision `made` now rests on; `judged`: the ids of the foes who mattered to it.
 
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
-    stages = _stages(snapshot, plan, ahead)
+    plan, stages = made.plan, _stages(snapshot, made.plan, ahead)
     is_seeking = seeks(snapshot, plan)
-    near = is_watchful or is_seeking or any(stage[0] not in (FAR, LEFT) for stage in stages)
+    near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
     trust = TRUST_S if near else TRUST_AHEAD_S
     watches = snapshot.foes or is_watchful or is_seeking
     return Premises(
@@ -66,7 +66,8 @@ def premises_of(
         time=snapshot.time,
         lights=snapshot.lights,
         speeds=_speeds(snapshot),
-        foes=_foes(snapshot),
+        heeded=judged.union(obstacle.user.id for obstacle in snapshot.on_path),
+        is_threatened=made.stop is not None and _is_threat(made.stop, snapshot),
         stages=stages,
         is_standing=snapshot.ego.speed < STANDING_SPEED,
         is_off_nominal=_is_off_nominal(snapshot, plan),
@@ -88,6 +89,8 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> Iter
         foreseen = trusted.get(user_id)
         if foreseen is None:
             yield Event(EventKind.NEW_OBSTACLE, user_id)
+        elif speed < foreseen and user_id not in premises.heeded:
+            continue  # who did not matter does not when he slows down
         elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             yield Event(EventKind.OTHER_BEHAVIOUR, user_id)
     if held.stop is not None and _is_gone(held.stop, snapshot, premises, speeds):
@@ -98,8 +101,12 @@ def _is_gone(stop: StopAt, snapshot: Snapshot, premises: Premises, speeds: Mappi
     """Whether the road user that the ego stops for is out of the way."""
     if stop.cause not in premises.speeds:
         return False
-    threat = stop.cause, stop.region
-    return stop.cause not in speeds or (threat in premises.foes and threat not in _foes(snapshot))
+    return stop.cause not in speeds or (premises.is_threatened and not _is_threat(stop, snapshot))
+
+
+def _is_threat(stop: StopAt, snapshot: Snapshot) -> bool:
+    """Whether the road user that the ego stops for can reach the region that it stops before."""
+    return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
 
 
 def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> Iterator[Event]:
@@ -121,11 +128,8 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
         yield Event(EventKind.FORECAST_EXPIRED)
     if memory.serving_until is not None and now >= memory.serving_until:
         yield Event(EventKind.TIME_REACHED)
-    target = next((c for c in held.time_constraints if c.s > snapshot.front), None)
-    if target is not None and now > target.time + TIME_TOLERANCE_S:
-        yield Event(EventKind.CONSTRAINT_MISSED)
-    if held.plan.delay(snapshot.s, now) > memory.delay + DELAY_STEP_S:
-        yield Event(EventKind.DELAY)
+    if not premises.is_settled:
+        yield from _late(snapshot, held, memory)
     if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
         yield Event(EventKind.NO_PROGRESS)
     if held.move is not None and held.move.is_over(snapshot.ego):
@@ -134,15 +138,18 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
         yield Event(EventKind.PROGRESS)
 
 
+def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> Iterator[Event]:
+    """Yield what a delay has changed: the next time constraint, and whether it has become excessive."""
+    target = next((c for c in held.time_constraints if c.s > snapshot.front), None)
+    if target is not None and snapshot.time > target.time + TIME_TOLERANCE_S:
+        yield Event(EventKind.CONSTRAINT_MISSED)
+    if held.plan.delay(snapshot.s, snapshot.time) > memory.delay + DELAY_STEP_S:
+        yield Event(EventKind.DELAY)
+
+
 def _speeds(snapshot: Snapshot) -> dict[str, float]:
-    speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
-    for foe in snapshot.foes:
-        speeds[foe.user.id] = foe.user.speed
-    return speeds
-
-
-def _foes(snapshot: Snapshot) -> frozenset[tuple[str, str]]:
-    return frozenset((foe.user.id, foe.conflict.region.id) for foe in snapshot.foes)
+    users = [obstacle.user for obstacle in snapshot.on_path] + [foe.user for foe in snapshot.foes]
+    return {user.id: user.speed for user in users}
 
 
 def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
@@ -160,7 +167,7 @@ def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> tuple[tuple[
         inside = front - plan.passages[i].start
         stage = FAR if inside < -reach else NEAR if inside < -ENTERING_M else ENTERING if inside <= 0.0 else INSIDE
         if snapshot.s >= plan.passages[i].end:
-            stage = LEFT
+            continue
         passed = sum(inside > c.region.own.start for c in conflicts) if stage == INSIDE else 0
         found.append((stage, i, passed))
     return tuple(found)

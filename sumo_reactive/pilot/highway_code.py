@@ -23,11 +23,13 @@ Wait = tuple[StopAt, Decision]
 
 
 class Rules(NamedTuple):
-    """Every place to stop at, the decisions to go on although somebody comes, the regions of the next passage."""
+    """Every place to stop at, the decisions to go on although somebody comes, the regions of the next passage; `judged`:
+    the ids of the foes who matter at any passage."""
 
     stops: tuple[Wait, ...]
     passes: tuple[Decision, ...]
     regions: tuple[RegionState, ...]
+    judged: frozenset[str]
 
 
 def ask(
@@ -55,7 +57,8 @@ def ask(
         found.insert(0, rules)
     passes = tuple(decision for rules in found for decision in rules.passes)
     regions = next((rules.regions for rules in found if rules.regions), ())
-    return Rules(tuple(stops), passes, regions), memory
+    judged = frozenset[str]().union(*(rules.judged for rules in found))
+    return Rules(tuple(stops), passes, regions, judged), memory
 
 
 def _passage(
@@ -77,7 +80,8 @@ def _passage(
         stops.append((stop, decision_of(stop)))
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
     states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found])
-    return Rules(tuple(stops), passes if late is None else (late, *passes), states), memory
+    judged = frozenset(judgement.foe.user.id for judgement, _ in found)
+    return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged), memory
 
 
 def _is_worth_a_word(judgement: crossing.Judgement) -> bool:

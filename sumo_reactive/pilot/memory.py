@@ -14,17 +14,19 @@ from sumo_reactive.world.route import ScheduledStop
 class Premises(NamedTuple):
     """What the pilot took for granted when it last decided, at `time` (s), on `plan`; what differs from it is an event.
 
-    `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `foes`: ids of those that
-    could reach each region. `stages`: how far the ego had come in each passage in sight. `is_seeking`: it sought a
-    gap for a lane change. `is_settled`: it rests on none of the others, for a light or a time decides. `trusted_until` (s):
-    how long the forecast of the others holds.
+    `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `heeded`: ids of those whose
+    motion it took into account. `is_threatened`: whether it stopped for a foe, at the region that he could reach. `stages`:
+    how far the ego had come in each passage in sight. `is_seeking`: it sought a gap for a lane change. `is_settled`: it
+    rests on none of the others, for a light or a time decides. `trusted_until` (s): how long the forecast of the others
+    holds.
     """
 
     plan: NominalPlan
     time: float
     lights: Mapping[str, str]
     speeds: Mapping[str, float]
-    foes: frozenset[tuple[str, str]]
+    heeded: frozenset[str]
+    is_threatened: bool
     stages: tuple[tuple[int, ...], ...]
     is_standing: bool
     is_off_nominal: bool

@@ -33,7 +33,7 @@ from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.missed_turn import is_missed, waiting_since
 from sumo_reactive.pilot.passages import Ahead, crossings
 from sumo_reactive.pilot.schedule import Delays, adjusted
-from sumo_reactive.pilot.situation import Situation
+from sumo_reactive.pilot.situation import Situation, next_on_way
 from sumo_reactive.pilot.transitions import RULES, next_behaviour
 from sumo_reactive.pilot.turning_round import Turning, place_to_begin, turn_round
 from sumo_reactive.vehicle.limits import VehicleLimits
@@ -100,14 +100,13 @@ def decide(
     rules, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
     assessment = _assess(snapshot, plan, outlook, rules, limits)
     situation = Situation(
-        snapshot, plan, limits, memory, events, ahead, ways, nearest(rules.stops), assessment, outlook
+        snapshot, plan, limits, memory, events, ahead, ways, next_on_way(snapshot), nearest(rules.stops), assessment, outlook
     )
     is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
     turning = turn_round(snapshot, plan, situation.stop, memory, is_stuck=is_stuck)
     situation, rules = _with_turn(*_with_room(situation, rules))
     memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
-    situation = situation._replace(memory=memory)
-    situation = situation._replace(proof=overtaking.try_out(situation))
+    situation = situation._replace(memory=memory, proof=overtaking.try_out(situation))
     behaviour = next_behaviour(situation)
     orders = _ordered(situation, behaviour, rules, changing)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
@@ -121,7 +120,7 @@ def decide(
         completed = replace(completed, move=turning.move)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
-    premises = premises_of(snapshot, plan, ahead, is_watchful=watchful, is_settled=settled)
+    premises = premises_of(snapshot, completed, ahead, rules.judged, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 

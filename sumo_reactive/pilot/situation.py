@@ -31,9 +31,9 @@ class Proof(NamedTuple):
 class Situation(NamedTuple):
     """The snapshot and what follows from it.
 
-    `ways`: the passages in sight, in the order of `ahead`; `stop`: the nearest place to stop at; `assessment`: how the plan
-    would end; `outlook`: the others' forecast and the room beside C; `proof` that X can be passed, or why not (None:
-    there is no reason to pass).
+    `ways`: the passages in sight, in the order of `ahead`; `ahead_of_ego`: X, whom it would follow; `stop`: the nearest
+    place to stop at; `assessment`: how the plan would end; `outlook`: the others' forecast and the room beside C; `proof`
+    that X can be passed, or why not (None: there is no reason to pass).
     """
 
     snapshot: Snapshot
@@ -43,17 +43,17 @@ class Situation(NamedTuple):
     events: tuple[Event, ...]
     ahead: Ahead
     ways: tuple[Crossing, ...]
+    ahead_of_ego: PathObstacle | None
     stop: StopAt | None
     assessment: Assessment
     outlook: Outlook
     proof: Proof | None = None
 
-    @property
-    def ahead_of_ego(self) -> PathObstacle | None:
-        """X: the nearest body in the corridor that drives along C or stands."""
-        return next(
-            (o for o in sorted(self.snapshot.on_path, key=lambda o: o.start) if abs(o.across) <= max(o.along, 0.5)), None
-        )
+
+def next_on_way(snapshot: Snapshot) -> PathObstacle | None:
+    """Return X: the nearest body in the corridor that drives along C or stands."""
+    along = (obstacle for obstacle in snapshot.on_path if abs(obstacle.across) <= max(obstacle.along, 0.5))
+    return min(along, key=lambda obstacle: obstacle.start, default=None)
 
 
 Condition = Callable[[Situation], bool]

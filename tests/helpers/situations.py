@@ -134,7 +134,8 @@ class Situation:
         ahead = Controller(self.graph, CAR)._ahead(snapshot, self.plan)
         ways = tuple(crossings(snapshot, self.plan, ahead))
         assessment = assess(snapshot, view.forecast, self.plan, stop, None, CAR, ())
-        found = pilot.Situation(snapshot, self.plan, CAR, self.memory, events, ahead, ways, stop, assessment, view)
+        x = pilot.next_on_way(snapshot)
+        found = pilot.Situation(snapshot, self.plan, CAR, self.memory, events, ahead, ways, x, stop, assessment, view)
         return found._replace(proof=try_out(found))
 
     def drive(self) -> Drive:
