@@ -16,6 +16,7 @@ from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.perception.attention import conflicts_of
+from sumo_reactive.perception.foes import foes_of
 from sumo_reactive.perception.outlook import outlook
 from sumo_reactive.perception.perceive import locate, perceive
 from sumo_reactive.perception.static import static_within
@@ -37,8 +38,7 @@ class Profile(Enum):
     PAPER = "paper"
 
 
-@dataclass(frozen=True)
-class Drive:
+class Drive(NamedTuple):
     """All that one step hands to the next: the ego, its plan and place on it, the pilot's memory, the executor's map.
 
     `completed` is the plan that the pilot has completed last, in force until an event; `last` is the execution whose
@@ -87,14 +87,18 @@ class Controller:
         return step
 
     def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
-        snapshot = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d)
-        completed, memory = self._completed(snapshot, traffic, drive)
+        looks = drive.memory.premises is None or not drive.memory.premises.is_settled
+        seen = perceive(
+            traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d,
+            looks_for_foes=looks,
+        )  # fmt: skip
+        snapshot, completed, memory = self._completed(seen, traffic, drive, looks)
         held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
             s, d = locate(ego, drive.plan, self.limits, snapshot.s)
-            after = replace(drive, ego=ego, s=s, memory=memory, completed=held_plan, d=d)
+            after = drive._replace(ego=ego, s=s, memory=memory, completed=held_plan, d=d)
             return Step(snapshot, completed, execution, after)
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
@@ -107,21 +111,26 @@ class Controller:
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after)
 
-    def _completed(self, snapshot: Snapshot, traffic: Traffic, drive: Drive) -> tuple[CompletedPlan, PilotMemory]:
-        """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2)."""
+    def _completed(
+        self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool
+    ) -> tuple[Snapshot, CompletedPlan, PilotMemory]:
+        """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
+        none yet."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
         ahead = self._ahead(snapshot, plan)
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command)
         if not events and drive.completed is not None:
-            return drive.completed, memory
+            return snapshot, drive.completed, memory
+        if not has_foes:
+            snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
         view = outlook(traffic, snapshot, plan, self.graph)
         style = Style(self.profile is Profile.PAPER, self.delays)
         completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
         if completed.request.what is Replanning.TIMES:
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits)
             completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
-        return completed, memory
+        return snapshot, completed, memory
 
     def _ahead(self, snapshot: Snapshot, plan: NominalPlan) -> Ahead:
         ids = ((i, plan.passages[i].connection_id) for i in snapshot.passages)
@@ -157,4 +166,4 @@ def _moved(user: RoadUser, duration: float) -> RoadUser:
 def replanned(drive: Drive, plan: NominalPlan, time: float) -> Drive:
     """Return the drive on a new plan, which begins at the ego's front axle and inherits the delay."""
     late = drive.plan.delay(drive.s, time)
-    return replace(drive, plan=replace(plan, times=plan.times - late), s=0.0, valley=NO_MAP, d=None)
+    return drive._replace(plan=replace(plan, times=plan.times - late), s=0.0, valley=NO_MAP, d=None)

@@ -96,7 +96,7 @@ def test_a_new_plan_begins_at_the_ego_and_keeps_what_the_pilot_remembers(ego):
 
 
 def test_a_new_plan_inherits_the_delay_of_the_old_one(ego):
-    drive = replace(ego.drive(), s=20.0)
+    drive = ego.drive()._replace(s=20.0)
     scheduled = float(np.interp(20.0, ego.plan.curve.step * np.arange(len(ego.plan.times)), ego.plan.times))
     now = scheduled + 7.0
     other = replace(ego.plan, times=ego.plan.times - ego.plan.times[0] + now)

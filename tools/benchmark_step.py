@@ -19,7 +19,6 @@ import subprocess
 import sys
 import time as clock
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -100,7 +99,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
     graph, limits, plan, snapshot = controller.graph, controller.limits, drive.plan, step.snapshot
     ahead, view, after = controller._ahead(snapshot, plan), outlook(traffic, snapshot, plan, graph), step.drive
     event = (Event(EventKind.NEW_PLAN),)
-    between = replace(after, ego=drive.ego, s=drive.s)
+    between = after._replace(ego=drive.ego, s=drive.s)
     return {
         "step with an event": lambda: controller.step(traffic, drive, PERIOD_S),
         "step between events": lambda: controller.step(traffic, between, PERIOD_S),

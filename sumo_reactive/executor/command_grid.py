@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ _JERK_LEVELS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
 """Levels within the comfortable change of acceleration."""
 
 
-@dataclass(frozen=True, eq=False)
-class CommandGrid:
+class CommandGrid(NamedTuple):
     """Accelerations (a,) in m/s² and steering rates (w,) in rad/s; the command space is their product."""
 
     accelerations: Array

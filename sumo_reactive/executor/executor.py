@@ -335,7 +335,7 @@ def _choose(
     ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
     p = ego.pose
     state = np.array((p.x, p.y, p.heading, ego.speed, ego.steering_angle))
-    lateral = abs(ego.speed**2 * math.sin(ego.steering_angle) / limits.wheelbase)
+    lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
     bounds = np.array(
         (
             limits.wheelbase,

@@ -238,7 +238,7 @@ class Trip:
         self._window = RouteWindow(self.ego.id, way.route.edges, self._net.end_of, number=len(self.graphs))
         memory = drive.memory._replace(waiting_since=None, escapes=0, progress_time=self._session.time)
         new_plan = replace(self._plan(start), missed=way.missed)
-        return replanned(replace(drive, memory=memory), new_plan, self._session.time)
+        return replanned(drive._replace(memory=memory), new_plan, self._session.time)
 
     def _start(self, drive: Drive, front: float) -> PlanStart:
         here = _segment(drive.plan, front)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Conflict, Foe
-from sumo_reactive.messages.traffic import RoadUser
+from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.perception.attention import watches_of
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -19,9 +19,16 @@ It is plain because every user near is held against it at every step: a named tu
 """
 
 
-def foes_of(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> tuple[Foe, ...]:
-    """Return who of `users` can reach a region of the passages in `sight`, once for each region."""
+def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> tuple[Foe, ...]:
+    """Return who can reach a region of the plan's passages in `sight`, once for each region."""
+    if not sight:
+        return ()
     meanings = _meanings(graph, tuple((i, plan.passages[i].connection_id) for i in sight))
+    users = (*traffic.users, *traffic.beside) if traffic.beside else traffic.users
+    return tuple(_found(users, meanings))
+
+
+def _found(users: tuple[RoadUser, ...], meanings: Mapping[str, tuple[_Meaning, ...]]) -> list[Foe]:
     found: list[Foe] = []
     for user in users:
         watched = meanings.get(user.lane_id)
@@ -41,7 +48,7 @@ def foes_of(users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, si
             to_clear = to_line + end + length
             if to_clear > 0.0:
                 found.append(Foe._make((user, passage, conflict, to_line, to_line + start, to_clear)))
-    return tuple(found)
+    return found
 
 
 @lru_cache(maxsize=4096)

@@ -52,19 +52,20 @@ def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before
 
 def perceive(
     traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float,
-    vehicle_class: str = "passenger", d_before: float | None = None,
+    vehicle_class: str = "passenger", d_before: float | None = None, *, looks_for_foes: bool = True,
 ) -> Snapshot:  # fmt: skip
     """Relate `traffic` to the plan: who stands in the corridor, who can reach which region, who drives beside.
 
     `s_before` is the ego's last known arc length on C (m); with `d_before`, how far left of C its front axle is (m), it has
-    just been found. Its `vehicle_class` tells what is open to it.
+    just been found. Its `vehicle_class` tells what is open to it. A pilot whose decision rests on no foe does not look for
+    any.
     """
     s, d = locate(ego, plan, limits, s_before) if d_before is None else (s_before, d_before)
     front = s + limits.front_overhang
     boxes = _boxes(traffic.users, graph, ego, limits)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
-    foes = foes_of((*traffic.users, *traffic.beside), plan, graph, sight) if sight else ()
+    foes = foes_of(traffic, plan, graph, sight) if looks_for_foes else ()
     sought = lane_sought(graph, plan, front)
     cut = None if sought else next_cut(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought

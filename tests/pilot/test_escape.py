@@ -1,6 +1,5 @@
 """Leaving local minima: room, backing up, a new curve, more commands, and who is to blame (F&L 1991, §3.3)."""
 
-from dataclasses import replace
 
 import pytest
 from helpers.situations import before
@@ -109,7 +108,7 @@ def test_an_ego_that_does_not_get_on_asks_for_a_curve_once_and_then_searches_mor
     drive, asked = ego.step().drive, []
     for escapes in (0, 1):
         memory = drive.memory._replace(progress_s=drive.s, progress_time=ego.time - 100.0, escapes=escapes)
-        asked.append(ego.step(drive=replace(drive, ego=ego.ego, memory=memory), time=ego.time + 0.1))
+        asked.append(ego.step(drive=drive._replace(ego=ego.ego, memory=memory), time=ego.time + 0.1))
     curve, wider = (step.completed for step in asked)
     assert (curve.request.what, curve.tuning.wide_grid) == (Replanning.CURVE, False)
     assert (wider.request.what, wider.tuning.wide_grid, wider.instruction) == (Replanning.NOTHING, True, Instruction.WIDEN)
