@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from sumo_reactive.messages.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.messages.snapshot import Conflict, Snapshot
+from sumo_reactive.parameters import REGION_MARGIN_M, WAIT_SHIFT_M
 from sumo_reactive.world.junction import Connection
 
 Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
@@ -16,7 +17,9 @@ Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
 
 class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
-    `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round."""
+    `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
+    `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
+    nowhere)."""
 
     number: int
     passage: Passage
@@ -25,6 +28,7 @@ class Crossing(NamedTuple):
     pace: float
     stop: float = math.inf
     turn: Turnaround | None = None
+    wait_at: float | None = None
 
     @property
     def line(self) -> float:
@@ -41,11 +45,21 @@ class Crossing(NamedTuple):
 
 def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[Crossing]:
     """Yield the passages that matter now."""
-    for index, connection, _ in ahead:
+    for index, connection, conflicts in ahead:
         passage = plan.passages[index]
         scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
         first = max(0, int(max(passage.start - connection.hold_back, snapshot.s) / plan.curve.step))
         last = max(first + 1, int(passage.end / plan.curve.step) + 1)
         pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
-        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn)
+        wait_at = _place_inside(connection, conflicts)
+        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
+
+
+def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:
+    """Return the waiting place (m of the path), moved back before the regions of those who go first that reach over it."""
+    wait = connection.wait_at
+    if wait is None:
+        return None
+    starts = (conflict.region.own.start for conflict in conflicts if conflict.must_yield)
+    return min([wait, *(start - REGION_MARGIN_M for start in starts if start >= wait - WAIT_SHIFT_M)])

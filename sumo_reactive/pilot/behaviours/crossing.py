@@ -11,6 +11,7 @@ from sumo_reactive.messages.traffic import RoadUser
 from sumo_reactive.parameters import (
     BEFORE_THE_LINE_M,
     COMMITTED_PATIENCE,
+    CREEPING_SPEED,
     ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
@@ -263,17 +264,17 @@ def _room_to_wait(foe: Foe) -> float | None:
 
 def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
     """Arc length of the place inside the junction where a turn may wait for a region; None when there is none."""
-    wait, start = crossing.connection.wait_at, conflict.region.own.start
-    if wait is None or start < wait - WAIT_SHIFT_M:
+    place, wait, start = crossing.connection.wait_at, crossing.wait_at, conflict.region.own.start
+    if place is None or wait is None or start < place - WAIT_SHIFT_M:
         return None
     return crossing.at(min(wait, start - REGION_MARGIN_M))
 
 
 def _nearest_stop(snapshot: Snapshot, limits: VehicleLimits) -> float:
-    """Arc length at which the ego can stop; one that stands a little too far in waits there as well."""
-    if snapshot.ego.speed < STANDING_SPEED:
-        return snapshot.front - WAIT_INTO_M
-    return snapshot.front + snapshot.ego.speed**2 / (2.0 * limits.service_deceleration)
+    """Arc length at which the ego can stop; one that stands or creeps a little too far in waits there as well."""
+    speed = snapshot.ego.speed
+    too_far = WAIT_INTO_M if speed < CREEPING_SPEED else 0.0
+    return snapshot.front - too_far + speed * speed / (2.0 * limits.service_deceleration)
 
 
 def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> float | None:
