@@ -38,7 +38,7 @@ class Reason(Enum):
     YELLOW_LIGHT = "the light is yellow and stopping is comfortable"
     YELLOW_TOO_CLOSE = "the light is yellow and too close to stop"
     STOP_SIGN = "a full stop is due at the line"
-    WAIT_FOR_TURN = "others stopped at the all-way stop before"
+    WAIT_FOR_TURN = "it is the turn of others"
     YIELD_TO = "traffic with priority would meet the ego in the region"
     REGION_OCCUPIED = "the region is occupied"
     FOE_CANNOT_STOP = "traffic that should yield can no longer stop"

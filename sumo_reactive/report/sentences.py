@@ -93,8 +93,8 @@ REASONS: dict[Reason, Wording] = {
         "goes on after the full stop",
     ),
     Reason.WAIT_FOR_TURN: Wording(
-        "stops before {place}, since {cause} stopped at the all-way stop before",
-        "goes {order} {cause}, which stopped at the all-way stop before, through {place}",
+        "stops before {place}, since it is the turn of {cause}",
+        "goes {order} {cause}, whose turn it is, through {place}",
     ),
     Reason.YIELD_TO: Wording(
         "stops before {place}, since {cause} has priority",

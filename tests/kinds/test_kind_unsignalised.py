@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from kinds import ARMS, Net, car, cross, driven, edge, element, fails, link, node, stop, stream
@@ -74,6 +75,16 @@ def test_at_a_zipper_two_lanes_become_one(tmp_path, lane, late):
     beside = stream("b", "ab bd", [1 + late, 3, 5.5], departLane=1 - lane)
     run = driven(tmp_path, net, car("ego", "ab bd", 1, departLane=lane), beside, car("front", "ab bd", departLane=lane))
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("late", [-0.6, 0.0, 0.6])
+def test_at_a_zipper_who_is_nearer_to_his_line_goes_first_although_it_lies_farther_back(tmp_path, late):
+    ground = "-24,1 -24,-4 -4,-5 -4,-8 1,-8 6,-4 6,1"
+    nodes = node("w", -90, 0) + node("s", 0, -90) + node("c", 0, 0, type="zipper", shape=ground) + node("e", 120, 0)
+    net = Net(nodes, edge("wc") + edge("sc") + edge("ce"), link("wc ce") + link("sc ce"))
+    run = driven(tmp_path, net, car("ego", "sc ce", 0.6), stream("x", "wc ce", [1 + late, 7 + late]), until=60)
+    assert run.complaints() == []
+    assert min((b.speed - a.speed) / (b.time - a.time) for a, b in pairwise(run.ego.moments)) > -3.5
 
 
 @pytest.mark.parametrize("route", ["wc ce", "wc cn"])

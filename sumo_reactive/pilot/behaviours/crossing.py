@@ -115,7 +115,7 @@ def judge(
     to_clear = crossing.at(region.own.end) + limits.length - front
     if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
         return None
-    if _takes_turns(foe, crossing) and foe.to_region > to_region + ZIPPER_LEAD_M:
+    if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
     if _gives_way(foe, committed):
@@ -156,8 +156,16 @@ def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
 
 
 def _takes_turns(foe: Foe, crossing: Crossing) -> bool:
-    """Whether two lanes merge like a zipper: who is nearer to the region goes first."""
+    """Whether two lanes merge like a zipper: who is nearer goes first."""
     return crossing.connection.control is Control.ZIPPER and foe.conflict.region.kind is ConflictKind.MERGING
+
+
+def _is_ahead_of(foe: Foe, to_line: float, to_region: float) -> bool:
+    """Whether an ego, `to_line` and `to_region` m before its line and the region, is nearer than the foe to both.
+
+    SUMO's cars go by the lines, which may lie differently far from where the lanes meet.
+    """
+    return foe.to_region > to_region + ZIPPER_LEAD_M and foe.to_stop_line > to_line + ZIPPER_LEAD_M
 
 
 def _is_certain(foe: Foe) -> bool:
