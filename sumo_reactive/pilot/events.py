@@ -117,7 +117,7 @@ def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises
         yield Event(EventKind.LANE_CHANGE)
     if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
         yield Event(EventKind.STANDSTILL)
-    if _is_off_nominal(snapshot, plan) and not premises.is_off_nominal:
+    if not premises.is_off_nominal and _is_off_nominal(snapshot, plan):
         yield Event(EventKind.OFF_NOMINAL)
 
 

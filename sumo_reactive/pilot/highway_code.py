@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from sumo_reactive.messages.decision import Behaviour, Decision, Occupancy, Reason, RegionState, StopAt
 from sumo_reactive.messages.plan import NominalPlan
-from sumo_reactive.messages.snapshot import Conflict, Snapshot
+from sumo_reactive.messages.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.parameters import STANDING_SPEED
 from sumo_reactive.pilot.behaviours import cautious, crossing, stopping
 from sumo_reactive.pilot.lane_changing import LaneChanging
@@ -48,11 +48,11 @@ def ask(
     scheduled, memory = stopping.serve(snapshot, plan, memory)
     stops = [(stop, decision_of(stop)) for stop in (scheduled, changing.stop) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
-    found: list[Rules] = []
+    foes, found = crossing.without_queues(snapshot.foes), list[Rules]()
     for way, (_, _, conflicts) in zip(reversed(ways), reversed(ahead), strict=True):
         places = [*queue, *(stop.s for stop, _ in stops)]
         behind = min((place for place in places if place > way.passage.end), default=math.inf)
-        rules, memory = _passage(way._replace(stop=behind), conflicts, snapshot, memory, limits)
+        rules, memory = _passage(way._replace(stop=behind), conflicts, foes, snapshot, memory, limits)
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
     passes = tuple(decision for rules in found for decision in rules.passes)
@@ -62,12 +62,17 @@ def ask(
 
 
 def _passage(
-    way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+    way: Crossing,
+    conflicts: tuple[Conflict, ...],
+    foes: tuple[Foe, ...],
+    snapshot: Snapshot,
+    memory: PilotMemory,
+    limits: VehicleLimits,
 ) -> tuple[Rules, PilotMemory]:
     """Return what one passage asks for."""
     at_line, late, memory = cautious.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
-    found = list(crossing.judgements(way, snapshot, memory, limits))
+    found = list(crossing.judgements(way, foes, snapshot, memory, limits))
     waits = [
         (StopAt(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
         for judgement, place in found

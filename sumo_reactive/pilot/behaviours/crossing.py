@@ -69,26 +69,26 @@ class Judgement(NamedTuple):
 
 
 def judgements(
-    crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+    crossing: Crossing, foes: tuple[Foe, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
 ) -> Iterator[tuple[Judgement, float | None]]:
-    """Yield what each foe means for a passage, with the place (m of C) to wait for it (None: go on)."""
-    heads = _heads_of_queues(snapshot)
-    for foe in snapshot.foes:
-        if foe.passage != crossing.number or _is_behind(heads, foe):
+    """Yield what each of the `foes` means for a passage, with the place (m of C) to wait for it (None: go on)."""
+    for foe in foes:
+        if foe.passage != crossing.number:
             continue
         judgement = judge(foe, crossing, snapshot, memory, limits)
         if judgement is not None:
             yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
 
 
-def _heads_of_queues(snapshot: Snapshot) -> dict[str, float]:
-    """Return, by lane, the position (m) of the foremost foe that stands before its line: it is judged for all behind it."""
+def without_queues(foes: tuple[Foe, ...]) -> tuple[Foe, ...]:
+    """Return `foes` without those in a queue before their line whose head is judged for all behind it: the foremost of a
+    lane that stands."""
     heads: dict[str, float] = {}
-    for foe in snapshot.foes:
+    for foe in foes:
         user = foe.user
         if foe.to_stop_line >= 0.0 and user.speed < STANDING_SPEED and not user.is_halted and _is_wide(user):
             heads[user.lane_id] = max(user.lane_position, heads.get(user.lane_id, user.lane_position))
-    return heads
+    return tuple(foe for foe in foes if not _is_behind(heads, foe)) if heads else foes
 
 
 def _is_behind(heads: dict[str, float], foe: Foe) -> bool:
