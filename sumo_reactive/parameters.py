@@ -299,8 +299,7 @@ WAIT_SHIFT_M = 4.0
 
 WAIT_INTO_M = 1.0
 """A foe before its line is trusted to wait inside the junction only where its front then reaches no farther into the region:
-the ego's way is moved aside by as much. An ego that stands or creeps so little behind its
-place to wait still waits."""
+the ego's way is moved aside by as much. An ego that stands or creeps so little behind its place to wait still waits."""
 
 FOLLOWER_HEADWAY_S = 0.8
 """Time headway left to who is behind on the other lane, while there is still way for another gap."""

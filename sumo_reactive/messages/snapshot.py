@@ -85,10 +85,9 @@ class Snapshot(NamedTuple):
 
     `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 8): x, y, heading, speed, length,
     width, turn rate (rad/s), way left on the road (m) of every user near (front bumper centre). `static` (k, 2): points of
-    O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: empty while the
-    pilot's decision rests on none. `lights`: letters by light id. `passages`: indices of
-    the plan's passages in sight. `cut`: the next place, on a road, where the body will cover the lane beside; `neighbours`
-    are then those on that lane.
+    O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: none while the pilot's decision rests on
+    none. `lights`: letters by light id. `passages`: indices of the plan's passages in sight. `cut`: the next place, on a
+    road, where the body will cover the lane beside; `neighbours` are then those on that lane.
     """
 
     time: float

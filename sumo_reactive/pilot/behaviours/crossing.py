@@ -272,10 +272,10 @@ def _room_to_wait(foe: Foe) -> float | None:
 
 def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
     """Arc length of the place inside the junction where a turn may wait for a region; None when there is none."""
-    place, wait, start = crossing.connection.wait_at, crossing.wait_at, conflict.region.own.start
-    if place is None or wait is None or start < place - WAIT_SHIFT_M:
+    drawn, place, start = crossing.connection.wait_at, crossing.wait_at, conflict.region.own.start
+    if drawn is None or place is None or start < drawn - WAIT_SHIFT_M:
         return None
-    return crossing.at(min(wait, start - REGION_MARGIN_M))
+    return crossing.at(min(place, start - REGION_MARGIN_M))
 
 
 def _nearest_stop(snapshot: Snapshot, limits: VehicleLimits) -> float:
