@@ -124,7 +124,7 @@ class Controller:
             return snapshot, drive.completed, memory
         if not has_foes:
             snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
-        view = outlook(traffic, snapshot, plan, self.graph)
+        view = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
         completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
         if completed.request.what is Replanning.TIMES:

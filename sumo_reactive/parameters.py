@@ -502,6 +502,9 @@ WHEELS_TURNED_RAD = 0.03
 TURNAROUND_REACHED_M = 1.5
 """An ego that stands this near to where it turns round begins."""
 
+TURNAROUND_PATIENCE_S = 30.0
+"""Who comes over the ground that a turn needs is let pass, until the ego has stood there for so long."""
+
 TURNAROUND_LEAD_M = 30.0
 """A turn's sweep is tried from this far before it to this far behind it, more than a car needs to swing out and back."""
 

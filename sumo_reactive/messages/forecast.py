@@ -68,7 +68,8 @@ class Outlook(NamedTuple):
 
     `forecast` of the others; `beside`: the lanes to which the ego might move aside; `lane_width` of its own (m);
     `sight` (m): how far ahead along C the oncoming traffic was looked at; `queues`: the one that the ego is in, and those on
-    the lanes beside by which it could go as well, if there are such lanes and somebody slow is ahead.
+    the lanes beside by which it could go as well, if there are such lanes and somebody slow is ahead. `comes_over`: who will
+    drive over the ground of the turn in several moves that the ego is about to begin (empty: nobody).
     """
 
     forecast: Forecast
@@ -76,3 +77,4 @@ class Outlook(NamedTuple):
     lane_width: float
     sight: float
     queues: tuple[Queue, ...] = ()
+    comes_over: str = ""

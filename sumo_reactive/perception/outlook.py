@@ -9,13 +9,17 @@ from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S, SLOW_SHARE
 from sumo_reactive.perception.beside import lanes_beside
 from sumo_reactive.perception.foresee import foresee
+from sumo_reactive.perception.ground import who_comes_over
 from sumo_reactive.perception.queues import queues
+from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
 
 
-def outlook(traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph) -> Outlook:
+def outlook(
+    traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits
+) -> Outlook:
     """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), the lanes
-    beside it and the queues there if there is anybody to pass."""
+    beside it and the queues there if there is anybody to pass, and who comes over the ground of a turn in several moves."""
     front = snapshot.front
     users, duration = (traffic.users, OVERTAKING_S) if traffic.sight > 0.0 else (_concerned(snapshot), ASSESSED_S)
     slow = SLOW_SHARE * plan.road_speed(snapshot.s)
@@ -24,7 +28,9 @@ def outlook(traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: Road
     here = next((segment for segment in plan.segments if front < segment.end), None)
     width = graph.lanes[here.lane_id].width if here else 0.0
     waiting = queues(traffic, snapshot, plan, here, graph) if passing and here is not None else ()
-    return Outlook(foresee(graph, users, duration), beside, width, max(traffic.sight, ATTENTION_MIN_AHEAD_M), waiting)
+    comes_over = who_comes_over(traffic.users, snapshot, plan, graph, limits) if plan.turnarounds else ""
+    sight = max(traffic.sight, ATTENTION_MIN_AHEAD_M)
+    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, comes_over)
 
 
 def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:

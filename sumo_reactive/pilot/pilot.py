@@ -103,7 +103,8 @@ def decide(
         snapshot, plan, limits, memory, events, ahead, ways, next_on_way(snapshot), nearest(rules.stops), assessment, outlook
     )
     is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
-    turning = turn_round(snapshot, plan, situation.stop, memory, is_stuck=is_stuck)
+    comes_over = outlook.comes_over
+    turning = turn_round(snapshot, plan, situation.stop, memory, comes_over=comes_over, is_stuck=is_stuck)
     situation, rules = _with_turn(*_with_room(situation, rules))
     memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
     situation = situation._replace(memory=memory, proof=overtaking.try_out(situation))
@@ -118,7 +119,7 @@ def decide(
     completed = _completed(situation, behaviour, orders, constraints, rules, changing.slot, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
-    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight)
+    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(snapshot, completed, ahead, rules.judged, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
@@ -144,7 +145,7 @@ def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
 
 def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     """Return both with the stop before a turn in several moves."""
-    stop = place_to_begin(situation.snapshot, situation.plan, situation.memory)
+    stop = place_to_begin(situation.snapshot, situation.plan, situation.memory, situation.outlook.comes_over)
     if stop is None or (situation.stop is not None and situation.stop.s < stop.s):
         return situation, rules
     if stop.s - situation.snapshot.front < CAUTIOUS_AHEAD_M:  # worth a word

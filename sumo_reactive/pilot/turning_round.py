@@ -8,7 +8,7 @@ from sumo_reactive.messages.completed_plan import Replanning, Request
 from sumo_reactive.messages.decision import Behaviour, Decision, Reason, StopAt
 from sumo_reactive.messages.plan import Move, NominalPlan, Turnaround
 from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.parameters import STANDING_SPEED, TURNAROUND_REACHED_M
+from sumo_reactive.parameters import STANDING_SPEED, TURNAROUND_PATIENCE_S, TURNAROUND_REACHED_M
 from sumo_reactive.pilot.memory import PilotMemory
 
 
@@ -21,23 +21,42 @@ class Turning(NamedTuple):
     memory: PilotMemory
 
 
-def place_to_begin(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> StopAt | None:
-    """Return where to stop for the next turn in several moves; None: there is none, or it is under way."""
+def place_to_begin(
+    snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, comes_over: str = ""
+) -> StopAt | None:
+    """Return where to stop for the next turn in several moves; None: there is none, or it is under way.
+
+    `comes_over`: who will drive over its ground; he is let pass, unless the ego has stood there for long.
+    """
     number = None if memory.move is not None else _next(snapshot, plan)
-    return None if number is None else StopAt(plan.turnarounds[number].start, Reason.NARROW_TURN)
+    if number is None:
+        return None
+    start = plan.turnarounds[number].start
+    if comes_over and memory.standing_for(snapshot.time) < TURNAROUND_PATIENCE_S:
+        return StopAt(start, Reason.COMES_OVER, cause=comes_over)
+    return StopAt(start, Reason.NARROW_TURN)
 
 
 def turn_round(
-    snapshot: Snapshot, plan: NominalPlan, stop: StopAt | None, memory: PilotMemory, *, is_stuck: bool = False
+    snapshot: Snapshot,
+    plan: NominalPlan,
+    stop: StopAt | None,
+    memory: PilotMemory,
+    *,
+    comes_over: str = "",
+    is_stuck: bool = False,
 ) -> Turning | None:
     """Return what the turn under way asks for, or one that begins now; None: the ego does not turn round.
 
     It begins when the ego stands where it is to begin, and nothing keeps it from passing: `stop` is the nearest other place
-    to stop at. One that `is_stuck`, for somebody stands in the way of a move, goes on in one sweep.
+    to stop at, and nobody `comes_over` its ground. One that `is_stuck`, for somebody stands in the way of a move, goes on in
+    one sweep.
     """
     if memory.move is None:
-        number = _next(snapshot, plan)
-        if number is None or not _may_begin(snapshot, plan.turnarounds[number], stop):
+        number, place = _next(snapshot, plan), place_to_begin(snapshot, plan, memory, comes_over)
+        if number is None or place is None or place.reason is Reason.COMES_OVER:
+            return None
+        if not _may_begin(snapshot, plan.turnarounds[number], stop):
             return None
         return _driven(plan, number, 0, memory)
     if is_stuck:

@@ -148,6 +148,10 @@ REASONS: dict[Reason, Wording] = {
         "stops to turn round, since the road is too narrow for one sweep",
         "turns round in {cause}, since the road is too narrow for one sweep",
     ),
+    Reason.COMES_OVER: Wording(
+        "does not begin to turn round yet, since {cause} comes over the ground that it needs",
+        "turns round although {cause} comes over the ground that it needs",
+    ),
     Reason.FOLLOWS: Wording(
         "keeps behind {cause}",
         "follows {cause}, which is slower than the road allows",
