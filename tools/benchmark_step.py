@@ -97,7 +97,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
 
     step = controller.step(traffic, drive, PERIOD_S)
     graph, limits, plan, snapshot = controller.graph, controller.limits, drive.plan, step.snapshot
-    ahead, view, after = controller._ahead(snapshot, plan), outlook(traffic, snapshot, plan, graph), step.drive
+    ahead, view, after = controller._ahead(snapshot, plan), outlook(traffic, snapshot, plan, graph, limits), step.drive
     event = (Event(EventKind.NEW_PLAN),)
     between = after._replace(ego=drive.ego, s=drive.s)
     return {
@@ -106,7 +106,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
         "  perceive": lambda: perceive(traffic, drive.ego, plan, graph, limits, drive.s),
         "  what lies ahead": lambda: controller._ahead(snapshot, plan),
         "  detect events": lambda: detect(snapshot, plan, ahead, after.completed, after.memory, False),
-        "  outlook (on an event)": lambda: outlook(traffic, snapshot, plan, graph),
+        "  outlook (on an event)": lambda: outlook(traffic, snapshot, plan, graph, limits),
         "  decide (on an event)": lambda: decide(snapshot, plan, ahead, view, event, drive.memory, limits, Style()),
         "  execute": lambda: execute(snapshot, step.completed, limits, PERIOD_S),
     }

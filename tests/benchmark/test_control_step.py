@@ -72,7 +72,7 @@ def test_perceiving(benchmark, controller, traffic, drive):
 def test_deciding(benchmark, controller, traffic, drive):
     snapshot = controller.step(traffic, drive, PERIOD).snapshot
     ahead = controller._ahead(snapshot, drive.plan)
-    view = outlook(traffic, snapshot, drive.plan, controller.graph)
+    view = outlook(traffic, snapshot, drive.plan, controller.graph, controller.limits)
     event = (Event(EventKind.NEW_PLAN),)
     completed, _ = benchmark(decide, snapshot, drive.plan, ahead, view, event, drive.memory, CAR, Style())
     assert completed.stop is not None

@@ -119,7 +119,7 @@ class Situation:
 
     def outlook(self, *users: RoadUser, sight: float = 0.0) -> Outlook:
         """Return what the pilot is told of the others' ways and the lanes beside its own."""
-        return outlook(Traffic(self.time, users, {}, sight), self.seen(*users), self.plan, self.graph)
+        return outlook(Traffic(self.time, users, {}, sight), self.seen(*users), self.plan, self.graph, CAR)
 
     def considered(
         self,

@@ -9,8 +9,8 @@ from helpers.situations import before
 from sumo_reactive.messages.completed_plan import Replanning
 from sumo_reactive.messages.decision import Reason, StopAt
 from sumo_reactive.messages.plan import Move, Turnaround
-from sumo_reactive.parameters import MOVE_BACK_SPEED, MOVE_SPEED, STANDING_SPEED, WHEELS_TURNED_RAD
-from sumo_reactive.pilot.turning_round import turn_round
+from sumo_reactive.parameters import MOVE_BACK_SPEED, MOVE_SPEED, STANDING_SPEED, TURNAROUND_PATIENCE_S, WHEELS_TURNED_RAD
+from sumo_reactive.pilot.turning_round import place_to_begin, turn_round
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6
@@ -97,3 +97,14 @@ def test_an_ego_that_is_kept_from_a_move_for_long_goes_on_in_one_sweep():
     assert asked
     assert not asked[0].request.onto
     assert any(decision.reason is Reason.NO_PROGRESS for decision in asked[0].decisions)
+
+
+def test_who_comes_over_the_ground_is_let_pass_but_not_for_ever():
+    ego, turn = turning(1.0, 0.0)
+    snapshot = ego.seen()
+    assert turn_round(snapshot, ego.plan, None, ego.memory) is not None
+    assert turn_round(snapshot, ego.plan, None, ego.memory, comes_over="x") is None
+    stop = place_to_begin(snapshot, ego.plan, ego.memory, "x")
+    assert (stop.s, stop.reason, stop.cause) == (turn.start, Reason.COMES_OVER, "x")
+    patient = ego.memory._replace(standing_since=snapshot.time - TURNAROUND_PATIENCE_S)
+    assert turn_round(snapshot, ego.plan, None, patient, comes_over="x") is not None
