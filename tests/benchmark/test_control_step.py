@@ -72,7 +72,7 @@ def test_perceiving(benchmark, controller, traffic, drive):
 def test_deciding(benchmark, controller, traffic, drive):
     snapshot = controller.step(traffic, drive, PERIOD).snapshot
     ahead = controller._ahead(snapshot, drive.plan)
-    view = outlook(traffic, snapshot, drive.plan, controller.graph, controller.limits)
+    view = outlook(traffic, snapshot, drive.plan, controller.graph, CAR)
     event = (Event(EventKind.NEW_PLAN),)
     completed, _ = benchmark(decide, snapshot, drive.plan, ahead, view, event, drive.memory, CAR, Style())
     assert completed.stop is not None
@@ -87,7 +87,7 @@ def test_detecting_events(benchmark, controller, traffic, drive):
 
 def test_looking_ahead(benchmark, controller, traffic, drive):
     snapshot = controller.step(traffic, drive, PERIOD).snapshot
-    assert benchmark(outlook, traffic, snapshot, drive.plan, controller.graph).forecast.user_ids
+    assert benchmark(outlook, traffic, snapshot, drive.plan, controller.graph, CAR).forecast.user_ids
 
 
 def test_executing(benchmark, controller, traffic, drive):
