@@ -36,8 +36,11 @@ def who_comes_over(
         return ""
     known = {foe.user.id for foe in snapshot.foes}
     ground = ground_of(turn, snapshot.ego, limits)
+    own_road = graph.lanes[turn.from_lane].edge_id
     for user in users:
-        if user.id in known or user.lane_id == turn.from_lane or user.speed < STANDING_SPEED or user.body.is_person:
+        if user.id in known or user.lane_id == turn.from_lane or own_road in user.route[1:3]:  # he will be behind the ego
+            continue
+        if user.speed < STANDING_SPEED or user.body.is_person:
             continue
         if _turns_in(user, turn, graph) or _drives_over(user, ground, turn.duration, graph, limits):
             return user.id

@@ -30,6 +30,14 @@ def comes_over(ego, user):
     return who_comes_over((user,), ego.seen(user), ego.plan, ego.graph, CAR)
 
 
+def oncoming(ego, gap, speed):
+    """Somebody on the other lane, `gap` m along it from beside the ego."""
+    lane = ego.graph.lanes["westbound_0"]
+    at = lane.spine.project(ego.ego.pose.x, ego.ego.pose.y)[0] + gap
+    (x, y), heading = lane.spine.at(at), lane.spine.heading_at(at)
+    return ego.ahead("x", 20.0, speed)._replace(x=x, y=y, heading=heading, lane_id=lane.id, lane_position=at, route=())
+
+
 def test_the_ground_holds_every_pose_of_the_moves(ego):
     ground = ground_of(ego.plan.turnarounds[0], ego.ego, CAR)
     pose = ego.ego.pose
@@ -41,19 +49,18 @@ def test_the_ground_holds_every_pose_of_the_moves(ego):
 
 @pytest.mark.parametrize(("gap", "speed", "comes"), [(-40.0, 8.0, True), (-40.0, 1.0, False), (-40.0, 0.0, False)])
 def test_who_drives_over_the_ground_in_time_is_told(ego, gap, speed, comes):
-    lane = ego.graph.lanes["westbound_0"]
-    x, y = ego.ego.pose.x, ego.ego.pose.y
-    beside = lane.spine.project(x, y)[0]
-    (ux, uy), heading = lane.spine.at(beside + gap), lane.spine.heading_at(beside + gap)
-    user = ego.ahead("x", 20.0, speed)._replace(
-        x=ux, y=uy, heading=heading, lane_id=lane.id, lane_position=beside + gap, route=()
-    )
-    assert comes_over(ego, user) == ("x" if comes else "")
+    assert comes_over(ego, oncoming(ego, gap, speed)) == ("x" if comes else "")
 
 
 def test_who_is_on_the_lane_from_which_the_ego_turns_waits_himself(ego):
     user = ego.ahead("x", -15.0, 8.0)._replace(lane_id="eastbound_0")
     assert comes_over(ego, user) == ""
+
+
+def test_who_will_come_from_behind_waits_himself(ego):
+    user = oncoming(ego, -40.0, 8.0)
+    assert comes_over(ego, user) == "x"
+    assert comes_over(ego, user._replace(route=("westbound", "eastbound"))) == ""
 
 
 def test_an_ego_that_still_drives_does_not_ask(ego):
