@@ -149,8 +149,7 @@ def choose_command(
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
     touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
     other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
-    keeps the limits. `boxes` (n, 6) cast U₂,
-    `near` (m, 8) are tested for contact.
+    keeps the limits. `boxes` (n, 8) cast U₂, `near` (m, 8) are tested for contact.
     """
     n = len(accelerations) * len(rates)
     next_states = np.empty((n, 8))

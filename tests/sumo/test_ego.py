@@ -1,5 +1,7 @@
 """The ego in a real simulation, where its body swings out of its lanes."""
 
+from contextlib import contextmanager
+
 import libsumo
 from net_recipes import CROSS_NODES, converted, cross_edges
 
@@ -14,16 +16,24 @@ LANE_Y = -1.6
 """Centre of the lane wc_0, m; the oncoming lane lies at +1.6."""
 
 
+@contextmanager
+def seen_first(net, routes):
+    """Run a simulation, after the first step of which the ego is on the road."""
+    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
+    try:
+        libsumo.simulationStep()
+        yield Ego("ego")
+    finally:
+        libsumo.close()
+
+
 def test_an_ego_that_swings_out_over_another_road_keeps_its_route(tmp_path):
     """A long vehicle in a U-turn does; with its route lost, SUMO's sublane model crashed."""
     net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
     routes = tmp_path / "ego.rou.xml"
     routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
     lane = read_net(net).lane("wc_0")
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
-    try:
-        libsumo.simulationStep()
-        ego = Ego("ego")
+    with seen_first(net, routes) as ego:
         ego.take_over(0.1)
         mapped = []
         for y in (LANE_Y - 8.0, LANE_Y + 4.0, LANE_Y):  # beside the road, over the oncoming lane, back
@@ -33,8 +43,6 @@ def test_an_ego_that_swings_out_over_another_road_keeps_its_route(tmp_path):
             mapped.append(ego.lane(state))
             assert libsumo.vehicle.getRoute("ego") == ROUTE
         assert (mapped[0], mapped[-1]) == ("", "wc_0")
-    finally:
-        libsumo.close()
 
 
 def test_others_expect_of_the_ego_what_they_expect_of_its_type_until_it_brakes_harder(tmp_path):
@@ -43,10 +51,7 @@ def test_others_expect_of_the_ego_what_they_expect_of_its_type_until_it_brakes_h
     routes = tmp_path / "ego.rou.xml"
     routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
     lane = read_net(net).lane("wc_0")
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
-    try:
-        libsumo.simulationStep()
-        ego = Ego("ego")
+    with seen_first(net, routes) as ego:
         usual = libsumo.vehicle.getApparentDecel("ego")
         ego.take_over(0.1)
         feared = []
@@ -56,26 +61,19 @@ def test_others_expect_of_the_ego_what_they_expect_of_its_type_until_it_brakes_h
             libsumo.simulationStep()
             feared.append(libsumo.vehicle.getApparentDecel("ego"))
         assert feared == [usual, usual, ego.limits.emergency_deceleration, usual]
-    finally:
-        libsumo.close()
 
 
 def test_the_ego_asks_for_room_only_while_it_seeks_a_gap(tmp_path):
     net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
     routes = tmp_path / "ego.rou.xml"
     routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
-    try:
-        libsumo.simulationStep()
-        ego = Ego("ego")
+    with seen_first(net, routes) as ego:
         ego.take_over(0.1)
         modes = []
         for wants_room in (False, True, True, False):
             ego.ask_for_room(wants_room)
             modes.append(libsumo.vehicle.getLaneChangeMode("ego") != 0)
         assert modes == [False, True, True, False]
-    finally:
-        libsumo.close()
 
 
 def over_the_lane_beside(net):
@@ -95,10 +93,7 @@ def test_an_ego_that_swings_over_the_lane_beside_as_it_turns_keeps_its_speed_for
     vehicle = '<vehicle id="ego" depart="0" departLane="1"><route edges="wc cn"/></vehicle>'
     routes.write_text(f"<routes>{vehicle}</routes>")
     way, inside = over_the_lane_beside(net)
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
-    try:
-        libsumo.simulationStep()
-        ego = Ego("ego")
+    with seen_first(net, routes) as ego:
         ego.take_over(0.1)
         seen = []
         for x, y, lane in way:
@@ -108,8 +103,6 @@ def test_an_ego_that_swings_over_the_lane_beside_as_it_turns_keeps_its_speed_for
             seen.append((ego.lane(state), libsumo.vehicle.getSpeed("ego")))
         assert [lane for lane, _ in seen] == ["wc_0"] * 4 + [inside.id] * 2
         assert [speed for _, speed in seen] == [5.0] * 6
-    finally:
-        libsumo.close()
 
 
 def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego(tmp_path):
@@ -123,10 +116,7 @@ def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego
         </routes>"""
     routes.write_text(vehicles)
     way, _ = over_the_lane_beside(net)
-    libsumo.start(["sumo", "-n", str(net), "-r", str(routes), "--no-step-log", "--step-length", "0.1"])
-    try:
-        libsumo.simulationStep()
-        ego = Ego("ego")
+    with seen_first(net, routes) as ego:
         ego.take_over(0.1)
         told, braking = [], []
         for x, y, lane in way:
@@ -137,5 +127,3 @@ def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego
             told.append((libsumo.vehicle.getSpeed("ego"), ego.lane(state) and libsumo.vehicle.getSpeed("ego")))
         assert told == [(5.0, 5.0)] * 4 + [(0.0, 5.0), (5.0, 5.0)]  # as SUMO says, and as the others see it
         assert min(braking[1:]) > -1.0
-    finally:
-        libsumo.close()
