@@ -9,9 +9,13 @@ from __future__ import annotations
 import ast
 import hashlib
 import os
+import signal
 import tempfile
+import threading
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TypeVar, cast
 
 import numba
@@ -71,3 +75,33 @@ def mark_cached() -> None:
 def kernel(function: Function) -> Function:
     """Compile `function` to machine code on first call, cached on disk."""
     return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+
+
+@contextmanager
+def interrupts_kept() -> Iterator[None]:
+    """Let an interrupt from the keyboard end what loads kernels as a `KeyboardInterrupt`, whenever it comes.
+
+    The compiler calls back into Python from machine code, which swallows an interrupt there or turns it into a
+    `SystemError`.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if not callable(before) or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    interrupted = False
+
+    def noted(number: int, frame: FrameType | None) -> None:
+        nonlocal interrupted
+        interrupted = True
+        before(number, frame)
+
+    signal.signal(signal.SIGINT, noted)
+    try:
+        yield
+    except Exception:
+        if not interrupted:
+            raise
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if interrupted:
+        raise KeyboardInterrupt

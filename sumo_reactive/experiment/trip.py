@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import NamedTuple
 
+from sumo_reactive.compilation import interrupts_kept
 from sumo_reactive.controller import Controller, Drive, Profile, Step, replanned
 from sumo_reactive.errors import PlanError
 from sumo_reactive.experiment.rerouting import WayRound, way_round
@@ -55,6 +56,7 @@ class Trip:
     alone. Several egos of one session share their `sensor`.
     """
 
+    @interrupts_kept()
     def __init__(
         self, session: Session, ego_id: str, net: WorldSource, profile: Profile, delays: Delays, sensor: Sensor
     ) -> None:
