@@ -56,7 +56,8 @@ def premises_of(
 
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
-    plan, stages = made.plan, _stages(snapshot, made.plan, ahead)
+    plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
+    stages = _stages(snapshot, plan, ahead, regions)
     is_seeking = seeks(snapshot, plan)
     near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
     trust = TRUST_S if near else TRUST_AHEAD_S
@@ -68,6 +69,7 @@ def premises_of(
         speeds=_speeds(snapshot),
         heeded=judged.union(obstacle.user.id for obstacle in snapshot.on_path),
         is_threatened=made.stop is not None and _is_threat(made.stop, snapshot),
+        regions=regions,
         stages=stages,
         is_standing=snapshot.ego.speed < STANDING_SPEED,
         is_off_nominal=_is_off_nominal(snapshot, plan),
@@ -111,7 +113,7 @@ def _is_threat(stop: StopAt, snapshot: Snapshot) -> bool:
 
 def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> Iterator[Event]:
     """Yield what the ego itself has come to."""
-    if _stages(snapshot, plan, ahead) != premises.stages:
+    if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
         yield Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), ""))
     if not premises.is_seeking and seeks(snapshot, plan):
         yield Event(EventKind.LANE_CHANGE)
@@ -156,8 +158,10 @@ def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
     return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > OFF_NOMINAL_SPEED
 
 
-def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> tuple[tuple[int, ...], ...]:
-    """Return for each passage in sight its index, the ego's stage and how many regions lie behind the front bumper."""
+def _stages(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]
+) -> tuple[tuple[int, ...], ...]:
+    """Return for each passage in sight the ego's stage, its index and how many of `regions` the front bumper has reached."""
     front = snapshot.front
     reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed
     found = []
@@ -168,6 +172,6 @@ def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> tuple[tuple[
         stage = FAR if inside < -reach else NEAR if inside < -ENTERING_M else ENTERING if inside <= 0.0 else INSIDE
         if snapshot.s >= plan.passages[i].end:
             continue
-        passed = sum(inside > c.region.own.start for c in conflicts) if stage == INSIDE else 0
-        found.append((stage, i, passed))
+        reached = sum(c.region.id in regions and inside > c.region.own.start for c in conflicts) if stage == INSIDE else 0
+        found.append((stage, i, reached))
     return tuple(found)

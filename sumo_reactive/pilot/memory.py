@@ -15,8 +15,9 @@ class Premises(NamedTuple):
     """What the pilot took for granted when it last decided, at `time` (s), on `plan`; what differs from it is an event.
 
     `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `heeded`: ids of those whose
-    motion it took into account. `is_threatened`: whether it stopped for a foe, at the region that he could reach. `stages`:
-    how far the ego had come in each passage in sight. `is_seeking`: it sought a gap for a lane change. `is_settled`: it
+    motion it took into account. `is_threatened`: whether it stopped for a foe, at the region that he could reach.
+    `regions`: ids of those that somebody could reach. `stages`: how far the ego had come in each passage in sight, and how
+    many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_settled`: it
     rests on none of the others, for a light or a time decides. `trusted_until` (s): how long the forecast of the others
     holds.
     """
@@ -27,6 +28,7 @@ class Premises(NamedTuple):
     speeds: Mapping[str, float]
     heeded: frozenset[str]
     is_threatened: bool
+    regions: frozenset[str]
     stages: tuple[tuple[int, ...], ...]
     is_standing: bool
     is_off_nominal: bool

@@ -14,7 +14,7 @@ TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
     Behaviour.NORMAL: (Behaviour.STOPPING, Behaviour.CROSSING, Behaviour.OVERTAKING, Behaviour.CAUTIOUS),
     Behaviour.CAUTIOUS: (Behaviour.STOPPING, Behaviour.CROSSING, Behaviour.OVERTAKING),
     Behaviour.STOPPING: (Behaviour.CROSSING, Behaviour.CAUTIOUS),
-    Behaviour.CROSSING: (Behaviour.STOPPING, Behaviour.CAUTIOUS),
+    Behaviour.CROSSING: (Behaviour.STOPPING,),
     Behaviour.OVERTAKING: (),
 }
 """From each behaviour to those that may follow at once, the most pressing first; whichever has ended gives way to normal."""

@@ -111,18 +111,30 @@ def test_a_change_of_a_light_is_an_event():
     assert events_after(ego, first, lights={"centre": "y" * 12}) == (Event(EventKind.LIGHT_CHANGE, "centre"),)
 
 
-def test_an_intersection_is_an_event_when_it_comes_near_at_its_line_at_each_region_and_at_its_end():
+def test_an_intersection_is_an_event_when_it_comes_in_sight_and_near_at_its_line_and_at_its_end():
     ego = before("four_way_priority", SOUTH_NORTH, 140.0, 13.0)
     steps = [step for step in ego.driven(25.0) if step.completed.events]
     assert set(kinds(steps[1:])) == {EventKind.INTERSECTION}
-    places = [step.snapshot.front for step in steps]
-    line, passage = ego.line, ego.plan.passages[0]
-    reach = 10.0 + 4.0 * 13.9
-    assert any(-2.0 <= place - (line - reach) <= 2.0 for place in places)
-    assert any(line - 6.0 <= place <= line - 4.0 for place in places)
-    assert any(line < place <= line + 2.0 for place in places)
-    assert sum(line + 2.0 < place < passage.end for place in places) >= 2
-    assert steps[-1].snapshot.front > passage.end
+    in_sight, near, entering, inside, left = (step.snapshot.front for step in steps[1:])
+    line, reach = ego.line, 10.0 + 4.0 * 13.9
+    assert in_sight < line - reach - 2.0
+    assert -2.0 <= near - (line - reach) <= 2.0
+    assert line - 6.0 <= entering <= line - 4.0
+    assert line < inside <= line + 2.0
+    assert left > ego.plan.passages[0].end
+
+
+def test_a_region_is_an_event_when_the_ego_reaches_it_and_somebody_else_could():
+    ego = before("four_way_priority", WEST_EAST, 20.0, 13.0)
+    waiting = ego.other("waiting", "from_south_0", -1.0, 0.0, SOUTH_NORTH)
+    alone, watched = ego.driven(4.0), list(ego.driven_among(lambda t: [ego.later(waiting, t)], 4.0))
+    passage = ego.plan.passages[0]
+
+    def inside(steps):
+        events = [step for step in steps if EventKind.INTERSECTION in kinds([step])]
+        return sum(passage.start + 2.0 < step.snapshot.front < passage.end for step in events)
+
+    assert (inside(alone), inside(watched)) == (0, 1)
 
 
 @pytest.mark.parametrize(("slower", "is_one"), [(OFF_NOMINAL_SPEED - 0.5, False), (OFF_NOMINAL_SPEED + 0.5, True)])
