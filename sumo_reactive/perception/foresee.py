@@ -67,14 +67,15 @@ def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple
 
 
 def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
-    """Return how fast a vehicle turns on average over the next `duration` s along its lane, rad/s; 0 where ways part.
+    """Return how fast a vehicle turns on average over the next `duration` s along its lane, rad/s: as much as on each way that
+    it may take, none where they part to both sides.
 
     Both ends of its body keep to the lane, as those of SUMO's do.
     """
-    ways = paths_ahead(graph, user.lane_id, user.route[:3])
-    if len(ways) != 1:
-        return 0.0
-    return turned(ways[0], user.lane_position, user.speed * duration, user.heading, user.body.length) / duration
+    ways, at, length = paths_ahead(graph, user.lane_id, user.route[:3]), user.lane_position, user.body.length
+    turns = [turned(way, at, user.speed * duration, user.heading, length) for way in ways]
+    least = min(turns, key=abs, default=0.0)
+    return least / duration if all(turn * least > 0.0 for turn in turns) else 0.0
 
 
 def places_after(graph: RoadGraph, user: RoadUser, time: float) -> list[tuple[float, ...]]:

@@ -111,8 +111,16 @@ def test_a_car_that_is_about_to_turn_left_turns_left_as_its_way_does(ego):
     assert turn_rate(ego.graph, right, 0.7) < -0.1
 
 
-def test_where_the_ways_part_nobody_is_taken_to_turn(ego):
+def test_where_the_ways_part_to_both_sides_nobody_is_taken_to_turn(ego):
     assert turn_rate(ego.graph, ego.other("x", LANE, -1.0, 8.0, ()), 0.7) == 0.0
+
+
+@pytest.mark.parametrize("askew", [0.6, -0.6])
+def test_a_car_whose_ways_part_farther_on_turns_as_all_of_them_do(ego, askew):
+    coming_out = ego.other("x", LANE, 1.0, 8.0, ())
+    assert len(paths_ahead(ego.graph, LANE, ())) > 1
+    turned = 0.7 * turn_rate(ego.graph, coming_out._replace(heading=coming_out.heading + askew), 0.7)
+    assert turned == pytest.approx(-askew, abs=0.05)
 
 
 @pytest.mark.parametrize("askew", [0.6, -0.6])
