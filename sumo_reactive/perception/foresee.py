@@ -67,8 +67,8 @@ def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple
 
 
 def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
-    """Return how fast a vehicle turns on average over the next `duration` s along its lane, rad/s: as much as on each way that
-    it may take, none where they part to both sides.
+    """Return how fast a vehicle turns on average over the next `duration` s along its lane, rad/s: as much as on each of the
+    ways that it may take, not at all where they part to both sides.
 
     Both ends of its body keep to the lane, as those of SUMO's do.
     """
