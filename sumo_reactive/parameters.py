@@ -274,7 +274,10 @@ CROSSER_MARGIN_S = 0.5
 
 MEETING_FORESEEN_S = 3.0
 """Who comes towards the ego or crosses is foreseen so far, to see whether he leaves the corridor before they meet: the
-time that the comfortable deceleration takes from 7.5 m/s."""
+time that the comfortable deceleration takes from 7.5 m/s…"""
+
+MEETING_STEP_S = 0.1
+"""…in steps of at least this."""
 
 LANE_CHANGE_LOOK_AHEAD_S = 20.0
 """A needed lane change is sought this long before its latest place…"""

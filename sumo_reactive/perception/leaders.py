@@ -28,14 +28,15 @@ def time_to_meet(obstacle: PathObstacle, front: float, speed: float) -> float:
     `front` m of C, its `speed` in m/s.
     """
     gap = max(obstacle.start - front, 0.0)
-    if _comes_towards(obstacle):
+    if comes_towards(obstacle):
         return gap / (speed + FASTER + obstacle.user.speed)
     if _crosses(obstacle):
         return max(gap / max(speed, 0.1) - CROSSER_MARGIN_S, 0.0)
     return math.inf
 
 
-def _comes_towards(obstacle: PathObstacle) -> bool:
+def comes_towards(obstacle: PathObstacle) -> bool:
+    """Whether somebody in the corridor drives against the ego's way more than across it."""
     return obstacle.along < -STANDING_SPEED and abs(obstacle.across) < -obstacle.along
 
 
@@ -47,7 +48,7 @@ def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleL
     user, along, across = obstacle.user, obstacle.along, abs(obstacle.across)
     brakes = user.body.emergency_deceleration
     gap = obstacle.start - front
-    if _comes_towards(obstacle):
+    if comes_towards(obstacle):
         shared = gap * speed / (speed - along)
         return Leader(user.id, front + shared, 0.0, brakes)
     if _crosses(obstacle):

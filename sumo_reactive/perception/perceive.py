@@ -18,6 +18,7 @@ from sumo_reactive.parameters import (
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
     MEETING_FORESEEN_S,
+    MEETING_STEP_S,
     NEAR_M,
     PROJECTION_WINDOW_M,
     TURN_FORESEEN_S,
@@ -28,7 +29,7 @@ from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes
 from sumo_reactive.perception.cuts import next_cut
 from sumo_reactive.perception.foes import foes_of
 from sumo_reactive.perception.foresee import places_after, turn_rate, way_left
-from sumo_reactive.perception.leaders import leaders, time_to_meet
+from sumo_reactive.perception.leaders import FASTER, comes_towards, leaders, time_to_meet
 from sumo_reactive.perception.static import static_near
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.road_graph import RoadGraph
@@ -117,14 +118,25 @@ def _passes_by(
     obstacle: PathObstacle, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, front: float, speed: float
 ) -> bool:
     """Whether somebody who comes towards the ego or crosses will soon have left its corridor: before they meet there, and
-    whether he goes on along his lane, wherever it leads, or straight on."""
+    whether he goes on along his lane, wherever it leads, or straight on.
+
+    Who comes towards the ego at first may be in its corridor nearer to it then, but out of it before it comes there.
+    """
     user, time = obstacle.user, time_to_meet(obstacle, front, speed)
-    if time > MEETING_FORESEEN_S or user.body.is_person:
+    if user.body.is_person:
         return False
     curve, behind = plan.curve, max(front - limits.length, 0.0)
-    boxes = np.array(places_after(graph, user, time))
-    band = band_of(curve, limits)
-    return not len(blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, behind, obstacle.end, *band)[0])
+    band, own = band_of(curve, limits), speed + FASTER
+    while time <= MEETING_FORESEEN_S:
+        boxes = np.array(places_after(graph, user, time))
+        _, stretches = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, behind, obstacle.end, *band)
+        if not len(stretches):
+            return True
+        gap = float(stretches[:, 0].min()) - front - own * time
+        if gap <= 0.0 or not comes_towards(obstacle):
+            return False
+        time += max(gap / (own + user.speed), MEETING_STEP_S)
+    return False
 
 
 def _neighbours(

@@ -121,15 +121,22 @@ def test_an_unknown_place_is_seen_but_means_nothing(ego):
     assert math.isfinite(seen.s)
 
 
-@pytest.mark.parametrize(("away", "is_led"), [(4.0, False), (0.5, True)])
-def test_who_comes_across_the_bend_of_c_is_stayed_behind_unless_he_will_have_left_it(away, is_led):
-    """The ego is to turn left with 8 m/s; the other drives straight on with 12 m/s and has nearly passed the middle."""
+@pytest.mark.parametrize(("away", "at", "is_led"), [(2.0, 8.0, False), (0.5, 8.0, True), (0.5, 10.0, False)])
+def test_who_comes_across_the_bend_of_c_is_stayed_behind_unless_he_will_have_left_it(away, at, is_led):
+    """The ego is to turn left with 8 m/s; the other drives straight on with 12 m/s and nears it while he leaves its way."""
     ego = before(PRIORITY, FROM_SOUTH, away, 8.0)
-    oncoming = ego.other("north", ego.graph.connections["from_north_0->to_south_0"].parts[0], 10.0, 12.0, ("to_south",))
+    oncoming = ego.other("north", ego.graph.connections["from_north_0->to_south_0"].parts[0], at, 12.0, ("to_south",))
     seen = ego.seen(oncoming)
     (obstacle,) = seen.on_path
-    assert obstacle.along < -abs(obstacle.across)
+    assert obstacle.along <= -abs(obstacle.across)
     assert [leader.user_id for leader in seen.leaders] == ["north"] * is_led
+
+
+def test_who_comes_along_the_ego_s_own_way_never_leaves_it():
+    ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 300.0, 10.0)
+    oncoming = ego.ahead("wrong way", 40.0, 8.0)
+    seen = ego.seen(oncoming._replace(heading=oncoming.heading + math.pi))
+    assert [leader.user_id for leader in seen.leaders] == ["wrong way"]
 
 
 @pytest.mark.parametrize(("at", "is_led"), [(13.0, False), (10.0, True)])
