@@ -82,6 +82,7 @@ class Trip:
         self._way_round: tuple[tuple[int, str], WayRound | None] = ((-1, ""), None)
         state = self.ego.take_over(session.step_length)
         lane_id = self.ego.lane(state)
+        state = self.ego.laid_along(graph.lanes[lane_id], state)
         start = PlanStart(
             state.pose, state.speed, 0.0, session.time,
             lane_id, self.ego.lane_position(graph, lane_id), 0, self.ego.speed_factor,

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import math
+from dataclasses import replace
 
 import libsumo
 
 from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.messages.completed_plan import Intent
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.parameters import STANDING_SPEED, TELEPORT_GUARD_S
@@ -90,6 +92,23 @@ class Ego:
         x, y = libsumo.vehicle.getPosition(self.id)
         heading = heading_of(libsumo.vehicle.getAngle(self.id))
         return VehicleState(pose_of(x, y, heading, self.limits), max(0.0, libsumo.vehicle.getSpeed(self.id)), 0.0)
+
+    def laid_along(self, lane: Lane, state: VehicleState) -> VehicleState:
+        """Return the `state` of an ego that SUMO has just inserted, its body along its lane if it could not be steered back
+        there within the lane; any other as it is.
+
+        While the rear would be before the start of the lane, SUMO shows an angle up to 70° off.
+        """
+        front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
+        if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
+            return state
+        (x, y), (sx, sy), start = lane.spine.at(front), lane.spine.at(0.0), lane.spine.heading_at(0.0)
+        back = own.length - front
+        heading = math.atan2(y - sy + back * math.sin(start), x - sx + back * math.cos(start))
+        askew = wrapped(state.pose.heading - heading) * state.speed
+        if askew * askew <= own.max_lateral_acceleration * (lane.width - own.width):  # drifts v²ε²/2a to the side
+            return state
+        return replace(state, pose=pose_of(*front_of(state.pose, own), heading, own))
 
     def place(
         self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, overlooked: bool = False

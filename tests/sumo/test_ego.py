@@ -3,17 +3,29 @@
 from contextlib import contextmanager
 
 import libsumo
+import pytest
 from net_recipes import CROSS_NODES, converted, cross_edges
 
 from sumo_reactive.messages.completed_plan import Intent
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.units import pose_of
+from sumo_reactive.sumo.units import front_of, pose_of
 
 ROUTE = ("wc", "ce")
 LANE_Y = -1.6
 """Centre of the lane wc_0, m; the oncoming lane lies at +1.6."""
+
+
+@contextmanager
+def on_cross(tmp_path, attributes=""):
+    """Run a simulation of a cross with an ego on ROUTE; yield it and its lane."""
+    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
+    routes = tmp_path / "ego.rou.xml"
+    vehicle = f'<vehicle id="ego" depart="0" {attributes}><route edges="{" ".join(ROUTE)}"/></vehicle>'
+    routes.write_text(f"<routes>{vehicle}</routes>")
+    with seen_first(net, routes) as ego:
+        yield ego, read_net(net).lane("wc_0")
 
 
 @contextmanager
@@ -29,11 +41,7 @@ def seen_first(net, routes):
 
 def test_an_ego_that_swings_out_over_another_road_keeps_its_route(tmp_path):
     """A long vehicle in a U-turn does; with its route lost, SUMO's sublane model crashed."""
-    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
-    routes = tmp_path / "ego.rou.xml"
-    routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
-    lane = read_net(net).lane("wc_0")
-    with seen_first(net, routes) as ego:
+    with on_cross(tmp_path) as (ego, lane):
         ego.take_over(0.1)
         mapped = []
         for y in (LANE_Y - 8.0, LANE_Y + 4.0, LANE_Y):  # beside the road, over the oncoming lane, back
@@ -47,11 +55,7 @@ def test_an_ego_that_swings_out_over_another_road_keeps_its_route(tmp_path):
 
 def test_others_expect_of_the_ego_what_they_expect_of_its_type_until_it_brakes_harder(tmp_path):
     """SUMO's cars choose their gaps behind a vehicle by its type: with more to fear they would at once brake hard."""
-    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
-    routes = tmp_path / "ego.rou.xml"
-    routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
-    lane = read_net(net).lane("wc_0")
-    with seen_first(net, routes) as ego:
+    with on_cross(tmp_path) as (ego, lane):
         usual = libsumo.vehicle.getApparentDecel("ego")
         ego.take_over(0.1)
         feared = []
@@ -64,10 +68,7 @@ def test_others_expect_of_the_ego_what_they_expect_of_its_type_until_it_brakes_h
 
 
 def test_the_ego_asks_for_room_only_while_it_seeks_a_gap(tmp_path):
-    net = converted(tmp_path, CROSS_NODES.format(kind="priority"), cross_edges(), "--no-turnarounds")
-    routes = tmp_path / "ego.rou.xml"
-    routes.write_text(f'<routes><vehicle id="ego" depart="0"><route edges="{" ".join(ROUTE)}"/></vehicle></routes>')
-    with seen_first(net, routes) as ego:
+    with on_cross(tmp_path) as (ego, _):
         ego.take_over(0.1)
         modes = []
         for wants_room in (False, True, True, False):
@@ -127,3 +128,22 @@ def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego
             told.append((libsumo.vehicle.getSpeed("ego"), ego.lane(state) and libsumo.vehicle.getSpeed("ego")))
         assert told == [(5.0, 5.0)] * 4 + [(0.0, 5.0), (5.0, 5.0)]  # as SUMO says, and as the others see it
         assert min(braking[1:]) > -1.0
+
+
+@pytest.mark.parametrize(("speed", "is_turned"), [(14.0, True), (2.0, False)])
+def test_an_ego_inserted_askew_at_the_start_of_its_lane_is_laid_along_it_unless_it_can_steer_back(tmp_path, speed, is_turned):
+    """On a lane that begins with a bend SUMO shows the angle of a body whose rear is nowhere yet."""
+    with on_cross(tmp_path, 'departPos="0"') as (ego, lane):
+        seen = ego.take_over(0.1)
+        x, y = front_of(seen.pose, ego.limits)
+        askew = VehicleState(pose_of(x, y, seen.pose.heading + 0.5, ego.limits), speed, 0.0)
+        laid = ego.laid_along(lane, askew)
+        assert laid.pose.heading == pytest.approx(0.0 if is_turned else askew.pose.heading, abs=1e-3)
+        assert front_of(laid.pose, ego.limits) == pytest.approx((x, y))
+
+
+def test_an_ego_whose_body_is_on_its_lane_keeps_the_angle_it_has(tmp_path):
+    with on_cross(tmp_path) as (ego, lane):
+        seen = ego.take_over(0.1)
+        askew = VehicleState(pose_of(seen.pose.x, seen.pose.y, 0.5, ego.limits), 14.0, 0.0)
+        assert ego.laid_along(lane, askew) is askew
