@@ -76,23 +76,27 @@ class Controller:
     vehicle_class: str = "passenger"
 
     def step(self, traffic: Traffic, drive: Drive, duration: float) -> Step:
-        """Drive for `duration` s: one control step, or as many as a coarse duration needs."""
+        """Drive for `duration` s: one control step, or as many as a coarse duration needs.
+
+        A decision that asks for another curve or route stands until the end of the duration: only then it is planned.
+        """
         longest = PAPER_CONTROL_PERIOD_S if self.profile is Profile.PAPER else CONTROL_PERIOD_S
         parts = max(1, math.ceil(duration / longest - 1e-6))
         period = duration / parts
         step = self._once(traffic, drive, period)
         for part in range(1, parts):
-            before, step = step.completed, self._once(moved(traffic, part * period), step.drive, period)
+            before = step.completed
+            step = self._once(moved(traffic, part * period), step.drive, period, decides=not before.awaits_plan)
             step = step._replace(completed=step.completed.after(before))
         return step
 
-    def _once(self, traffic: Traffic, drive: Drive, period: float) -> Step:
+    def _once(self, traffic: Traffic, drive: Drive, period: float, *, decides: bool = True) -> Step:
         looks = drive.memory.premises is None or not drive.memory.premises.is_settled
         seen = perceive(
             traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d,
             looks_for_foes=looks,
         )  # fmt: skip
-        snapshot, completed, memory = self._completed(seen, traffic, drive, looks)
+        snapshot, completed, memory = self._completed(seen, traffic, drive, looks, decides=decides)
         held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
@@ -112,14 +116,14 @@ class Controller:
         return Step(snapshot, completed, execution, after)
 
     def _completed(
-        self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool
+        self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool, *, decides: bool
     ) -> tuple[Snapshot, CompletedPlan, PilotMemory]:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
         none yet."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
         ahead = self._ahead(snapshot, plan)
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
-        events = detect(snapshot, plan, ahead, drive.completed, memory, no_command)
+        events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
         if not events and drive.completed is not None:
             return snapshot, drive.completed, memory
         if not has_foes:
@@ -164,6 +168,6 @@ def _moved(user: RoadUser, duration: float) -> RoadUser:
 
 
 def replanned(drive: Drive, plan: NominalPlan, time: float) -> Drive:
-    """Return the drive on a new plan, which begins at the ego's front axle and inherits the delay."""
-    late = drive.plan.delay(drive.s, time)
-    return drive._replace(plan=replace(plan, times=plan.times - late), s=0.0, valley=NO_MAP, d=None)
+    """Return the drive on a new plan, which begins at the ego's front axle, inherits the delay and has no move under way."""
+    late, memory = drive.plan.delay(drive.s, time), drive.memory._replace(move=None)
+    return drive._replace(plan=replace(plan, times=plan.times - late), s=0.0, memory=memory, valley=NO_MAP, d=None)

@@ -103,9 +103,12 @@ class CompletedPlan:
         """Return the plan as it stays in force until the next event: what it asked for once is not asked again."""
         return replace(self, request=Request(), events=())
 
+    @property
+    def awaits_plan(self) -> bool:
+        """Whether it asks for another curve or route, which the trip plans when the simulation step is over."""
+        return self.request.what in (Replanning.CURVE, Replanning.ROUTE)
+
     def after(self, before: CompletedPlan) -> CompletedPlan:
         """Return the plan with the events and the request for a curve or route of the one `before` it in the same step."""
-        for_trip = Replanning.CURVE, Replanning.ROUTE
-        asks = self.request.what in for_trip or before.request.what not in for_trip
-        request = self.request if asks else before.request
+        request = before.request if before.awaits_plan else self.request
         return replace(self, request=request, events=(*before.events, *self.events))

@@ -158,7 +158,7 @@ def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
     begins_or_moves = orders.memory.move is None or abs(snapshot.ego.speed) >= STANDING_SPEED
     since = snapshot.time if begins_or_moves else orders.memory.progress_time
     return orders._replace(
-        instruction=Instruction.TURN_ROUND if turning.move is not None else orders.instruction,
+        instruction=Instruction.TURN_ROUND,
         stop=None,
         request=turning.request,
         decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),

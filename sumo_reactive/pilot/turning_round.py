@@ -13,9 +13,9 @@ from sumo_reactive.pilot.memory import PilotMemory
 
 
 class Turning(NamedTuple):
-    """What a turn asks for: the move to drive (None: none is left), why, what of the planner; and the memory of it."""
+    """What a turn asks for: the move to drive, why, what of the planner; and the memory of it."""
 
-    move: Move | None
+    move: Move
     decision: Decision
     request: Request
     memory: PilotMemory
@@ -59,11 +59,11 @@ def turn_round(
         if not _may_begin(snapshot, plan.turnarounds[number], stop):
             return None
         return _driven(plan, number, 0, memory)
-    if is_stuck:
-        decision = Decision(Behaviour.CROSSING, Reason.NO_PROGRESS, passes=True)
-        return Turning(None, decision, Request(Replanning.CURVE), memory._replace(move=None))
     turn, move = memory.move
     moves = plan.turnarounds[turn].moves
+    if is_stuck:
+        decision = Decision(Behaviour.CROSSING, Reason.NO_PROGRESS, passes=True)
+        return Turning(moves[move], decision, Request(Replanning.CURVE), memory._replace(move=None))
     return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)
 
 
@@ -79,10 +79,11 @@ def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: StopAt | None) -> boo
 
 
 def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> Turning:
-    """Return the orders for a move of a turn, or for what comes after the last one: a curve from the lane turned into."""
+    """Return the orders for a move of a turn; after the last one, at whose end the ego stands until then, for a curve from
+    the lane turned into."""
     turn = plan.turnarounds[number]
     decision = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
     if move < len(turn.moves):
         return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
     after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
-    return Turning(None, decision, after, memory._replace(move=None))
+    return Turning(turn.moves[-1], decision, after, memory._replace(move=None))

@@ -29,10 +29,11 @@ def test_a_sharp_turn_is_driven(tmp_path, turn, side):
     assert run.complaints() == []
 
 
-@pytest.mark.parametrize("lanes", [1, 2])
-def test_the_ego_turns_round_at_a_dead_end(tmp_path, lanes):
+@pytest.mark.parametrize(("lanes", "step"), [(1, 0.1), (2, 0.1), (1, 0.25), (1, 0.5), (1, 1.0)])
+def test_the_ego_turns_round_at_a_dead_end(tmp_path, lanes, step):
     net = Net(node("a", 0, 0) + node("b", 80, 0), edge("ab", numLanes=lanes) + edge("ba", numLanes=lanes), options=())
-    run = driven(tmp_path, net, car("ego", "ab ba", 3, departLane="best"), car("x", "ab ba", departLane="best"))
+    vehicles = car("ego", "ab ba", 3, departLane="best"), car("x", "ab ba", departLane="best")
+    run = driven(tmp_path, net, *vehicles, until=80, step=step)
     assert run.complaints(slower=2.2) == []  # the road is too narrow for one sweep
     assert all(moment.lane for moment in run.ego.moments)
 

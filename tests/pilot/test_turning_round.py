@@ -1,11 +1,13 @@
 """Turning round in several moves: stop, arcs forwards and backwards by turns, then C from the lane turned into."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from helpers.cars import CAR
 from helpers.situations import before
 
+from sumo_reactive.controller import Controller, replanned
 from sumo_reactive.messages.completed_plan import Replanning
 from sumo_reactive.messages.decision import Reason, StopAt
 from sumo_reactive.messages.plan import Move, Turnaround
@@ -108,3 +110,23 @@ def test_who_comes_over_the_ground_is_let_pass_but_not_for_ever():
     assert (stop.s, stop.reason, stop.cause) == (turn.start, Reason.COMES_OVER, "x")
     patient = ego.memory._replace(standing_since=snapshot.time - TURNAROUND_PATIENCE_S)
     assert turn_round(snapshot, ego.plan, None, patient, comes_over="x") is not None
+
+
+@pytest.mark.parametrize("is_blocked", [True, False])
+def test_a_turn_that_is_over_or_given_up_within_a_coarse_step_is_not_begun_anew_before_the_step_ends(is_blocked):
+    ego, _ = turning(1.0, 0.0)
+    users = (ego.ahead("x", 0.6, 0.0),) if is_blocked else ()
+    before_it, asks = next(pair for pair in pairwise(ego.driven(45.0, *users)) if pair[1].completed.awaits_plan)
+    traffic = ego.traffic(*users)
+    coarse = Controller(ego.graph, CAR).step(replace(traffic, time=asks.snapshot.time), before_it.drive, 1.0)
+    assert coarse.completed.request == asks.completed.request
+    assert coarse.completed.move is before_it.completed.move
+    assert coarse.drive.memory.move is None
+    assert abs(coarse.drive.ego.speed) < STANDING_SPEED
+
+
+def test_on_a_new_plan_no_move_of_the_old_one_is_under_way():
+    ego, _ = turning(1.0, 0.0)
+    drive = ego.driven(2.0)[-1].drive
+    assert drive.memory.move is not None
+    assert replanned(drive, ego.plan, ego.time).memory.move is None

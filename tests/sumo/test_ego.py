@@ -131,7 +131,7 @@ def test_who_follows_does_not_brake_for_a_step_in_which_sumo_has_stopped_the_ego
 
 
 @pytest.mark.parametrize(("speed", "is_turned"), [(14.0, True), (2.0, False)])
-def test_an_ego_inserted_askew_at_the_start_of_its_lane_is_laid_along_it_unless_it_can_steer_back(tmp_path, speed, is_turned):
+def test_an_ego_inserted_askew_at_the_start_of_its_lane_is_laid_along_it_unless_it_steers_back(tmp_path, speed, is_turned):
     """On a lane that begins with a bend SUMO shows the angle of a body whose rear is nowhere yet."""
     with on_cross(tmp_path, 'departPos="0"') as (ego, lane):
         seen = ego.take_over(0.1)
