@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from sumo_reactive.errors import ScenarioError
 from sumo_reactive.controller import Profile
+from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.comparison.comparison import EGO_METRICS, OTHERS_METRICS, Comparison, Pair, Side, compare
 from sumo_reactive.experiment.comparison.network_effects import Arrival, NetworkEffects
 from sumo_reactive.experiment.comparison.record import (
