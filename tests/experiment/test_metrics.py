@@ -188,6 +188,30 @@ def test_who_has_priority_and_must_brake_hard_is_obstructed(x, braking, mutual, 
     assert [v.user_id for v in jury.violations] == ["other"] * violations
 
 
+@pytest.mark.parametrize(
+    ("gone_to", "speed_then", "braking_then", "violations"),
+    [
+        ((40.0, 0.0), 6.8, 0.0, 1),  # he stops braking when the ego is gone
+        ((40.0, 0.0), 6.8, 4.0, 0),  # he brakes on
+        ((40.0, 0.0), 0.4, 0.0, 1),  # he stands by then
+        ((5.0, -17.0), 6.8, 4.0, 1),  # he brakes on behind the ego
+    ],
+)
+def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_then, braking_then, violations):
+    jury = Jury(5.0, 1.8, 3.0, _crossing())
+
+    def ego(t):
+        x, y = (2.0, 0.0) if t < 0.95 else gone_to
+        return record(t, x=x, y=y, speed=1.0, lane_id=":j_0_0")
+
+    def one(t):
+        (other,) = _one_brakes(t, 4.0)
+        return [other if t < 0.95 else other._replace(speed=max(speed_then - braking_then * (t - 0.9), 0.0))]
+
+    drive(jury, ego, one, 25)
+    assert len(jury.violations) == violations
+
+
 @pytest.mark.parametrize(("dip", "violations"), [(0.45, 0), (2.0, 1)])
 def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(dip, violations):
     jury = Jury(5.0, 1.8, 3.0, _crossing())

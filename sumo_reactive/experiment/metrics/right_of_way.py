@@ -1,10 +1,11 @@
-"""Right-of-way violations: the ego stands or drives where another should have gone first, and the other suffers."""
+"""Right-of-way violations: the ego stands or drives where another should have gone first, and the other suffers from it."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,15 @@ OBSTRUCTED_BRAKING = -3.0
 OBSTRUCTED_FOR_S = 0.5
 """Braking counts on average over at least so long: SUMO's cars dither by 0.45 m/s from step to step."""
 
+GOES_ON_S = 1.0
+"""Who brakes on for so long after the ego has left his way…"""
+
+GOES_ON_BRAKING = -1.5
+"""…this hard (m/s²) or harder, on average, brakes for something else…"""
+
+FOLLOWS_BRAKING = 2.0
+"""…unless it takes this (m/s²) to stay behind the ego as it leaves."""
+
 NEAR_MISS_S = 1.0
 """A time to collision below this counts as nearly touching."""
 
@@ -35,6 +45,16 @@ MOVING_SPEED = 0.5
 """m/s; who stands is not obstructed by being where it is."""
 
 
+class _Suspicion(NamedTuple):
+    """That who brakes does so because the ego is in a region (`polygon`), which it has left at `left` (s, None: not yet),
+    when he drove with `speed` (m/s)."""
+
+    violation: Violation
+    polygon: Points
+    left: float | None = None
+    speed: float = 0.0
+
+
 class RightOfWay:
     """Counts users that the ego obstructs, each once per junction passage.
 
@@ -42,15 +62,22 @@ class RightOfWay:
     the user's there, and not the user's to the ego's (so "right before left" counts, an all-way stop does not); the user
     is before or in the region, inside the junction, or, where no light rules (a light's letter may be why it brakes),
     within 50 m of its stop line on the way to that connection; it moves; and it brakes harder than 3 m/s², on average
-    over half a second, or the time to collision with the ego is below 1 s.
+    over half a second, or the time to collision with the ego is below 1 s. Who only brakes, and brakes on when the ego is
+    gone, though not to stay behind it, has another reason: a line, a queue, a bend.
     """
 
     def __init__(self, graph: RoadGraph | None) -> None:
-        self.violations: list[Violation] = []
+        self._found: list[Violation] = []
+        self._suspicions: dict[str, _Suspicion] = {}
         self._graph = graph
         self._own: Connection | None = None
         self._obstructed: set[str] = set()
         self._past: deque[tuple[float, dict[str, float]]] = deque()
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """Every user obstructed, those whose reason to brake the run has left open included."""
+        return (*self._found, *(suspicion.violation for suspicion in self._suspicions.values()))
 
     def enter(self, graph: RoadGraph) -> None:
         """Judge in another world from now on."""
@@ -61,6 +88,8 @@ class RightOfWay:
         if self._graph is None:
             return
         self._remember(moment)
+        if self._suspicions:
+            self._review(moment)
         own = self._graph.connection_of.get(moment.step.lane_id)
         if own is not None and own is not self._own:
             self._own, self._obstructed = own, set()
@@ -72,7 +101,7 @@ class RightOfWay:
             brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
             suffers = brakes or time < NEAR_MISS_S
             if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
-                self._judge(self._graph, self._own, user, moment)
+                self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
 
     def figures(self) -> Figures:
         """Return the number of users obstructed."""
@@ -92,13 +121,42 @@ class RightOfWay:
             return False
         return (user.speed - speeds[user.id]) / (now - since) < OBSTRUCTED_BRAKING
 
-    def _judge(self, graph: RoadGraph, own: Connection, user: RoadUser, moment: Moment) -> None:
+    def _review(self, moment: Moment) -> None:
+        """Look whether those who brake did so for the ego: it gone, they stop braking, or stand, or must stay behind it."""
+        now, users = moment.step.time, {user.id: user for user in moment.users}
+        for name, suspicion in tuple(self._suspicions.items()):
+            user = users.get(name)
+            if user is None or user.speed <= MOVING_SPEED:
+                self._found.append(self._suspicions.pop(name).violation)
+            elif _covers(moment, suspicion.polygon):
+                self._suspicions[name] = suspicion._replace(left=None)
+            elif suspicion.left is None and _braking_behind(moment, user) > FOLLOWS_BRAKING:
+                self._found.append(self._suspicions.pop(name).violation)
+            elif suspicion.left is None:
+                self._suspicions[name] = suspicion._replace(left=now, speed=user.speed)
+            elif now - suspicion.left >= GOES_ON_S - ROUNDING_S:
+                if (user.speed - suspicion.speed) / (now - suspicion.left) > GOES_ON_BRAKING:
+                    self._found.append(suspicion.violation)
+                del self._suspicions[name]
+
+    def _judge(self, graph: RoadGraph, own: Connection, user: RoadUser, moment: Moment, *, is_certain: bool) -> None:
         for region, other in _lost(graph, own):
             if _claims(graph, other, region, user) and _covers(moment, region.polygon):
                 self._obstructed.add(user.id)
-                step = moment.step
-                self.violations.append(Violation(step.time, "right of way taken", step.lane_id, user.id))
+                violation = Violation(moment.step.time, "right of way taken", moment.step.lane_id, user.id)
+                if is_certain:
+                    self._found.append(violation)
+                else:
+                    self._suspicions[user.id] = _Suspicion(violation, region.polygon)
                 return
+
+
+def _braking_behind(moment: Moment, user: RoadUser) -> float:
+    """Return the deceleration (m/s²) that keeps a user behind the ego's rear, as if it drove straight ahead of him."""
+    step = moment.step
+    rear = step.x - moment.length * math.cos(step.heading), step.y - moment.length * math.sin(step.heading)
+    gap = math.hypot(rear[0] - user.x, rear[1] - user.y)
+    return max(user.speed**2 - step.speed**2, 0.0) / (2.0 * max(gap, 0.1))
 
 
 def _lost(graph: RoadGraph, own: Connection) -> Iterator[tuple[ConflictRegion, Connection]]:
