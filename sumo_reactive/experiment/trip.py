@@ -35,6 +35,7 @@ from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
 from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, haunt, left_behind
 from sumo_reactive.sumo.units import front_of
+from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
 
 SELDOM = 100_000
@@ -253,11 +254,20 @@ class Trip:
         )  # fmt: skip
 
     def _start_onto(self, drive: Drive, asked: Request) -> PlanStart:
-        """Return the start on the lane that the car has turned into."""
+        """Return the start on the lane that the car has turned into, or on one behind it that its front has reached."""
         x, y = front_of(drive.ego.pose, self.ego.limits)
-        position = self.graph.lanes[asked.onto].spine.project(x, y)[0]
+        lane, index = self.graph.lanes[asked.onto], asked.route_index
+        while (onward := self._onward(lane, index)) is not None and onward.spine.project(x, y)[0] > 0.0:
+            lane, index = onward, index + 1
+        position = lane.spine.project(x, y)[0]
         start = self._start(drive, self._front(drive))
-        return replace(start, lane_id=asked.onto, lane_position=position, route_index=asked.route_index)
+        return replace(start, lane_id=lane.id, lane_position=position, route_index=index)
+
+    def _onward(self, lane: Lane, index: int) -> Lane | None:
+        """Return a lane that leads on from one of the route's edge `index`; None: there is none."""
+        following = self._route.edges[index + 1 : index + 2]
+        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.outgoing.get(lane.id, ()))
+        return next((one for one in ahead if one is not None and one.edge_id in following), None)
 
     def _plan(self, start: PlanStart, change_now: int = 0, aside: Aside | None = None) -> NominalPlan:
         graph, ego = self._controller.graph, self.ego

@@ -17,7 +17,7 @@ from sumo_reactive.planner.lane_path import lane_path
 from sumo_reactive.planner.reference import Reference
 from sumo_reactive.planner.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.planner.trajectory import Trajectory, lane_limits, trajectory
-from sumo_reactive.planner.turnaround import turn_in_moves
+from sumo_reactive.planner.turnaround import leads_back, road_around, turn_in_moves
 from sumo_reactive.planner.ways_beside import ways_beside
 from sumo_reactive.vehicle.limits import VehicleLimits
 from sumo_reactive.world.lane import Lane
@@ -95,9 +95,13 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
     """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
     found = []
     for connection, began, ended in reference.passages:
-        turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class)
+        if not leads_back(reference.graph, connection.id):
+            continue
+        before = _index_of(reference, began)
+        around = road_around(reference.graph, connection.id, route.edges, before, limits)
+        turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class, around)
         if turn is not None and began - turn.before - STOP_LINE_MARGIN_M > limits.front_overhang - LATE_M:
-            index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, _index_of(reference, began))
+            index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, before)
             lanes, way = (connection.from_lane, connection.to_lane), (began - turn.before, began, ended)
             found.append(Turnaround(*way, *lanes, index, turn.moves, turn.duration))
     return found

@@ -56,6 +56,8 @@ INTO_LANE_M = 0.4
 """The front axle ends the turn this near to the middle of its lane."""
 MOST_TRIED = 500
 """Moves that are tried until a turn is given up."""
+STUB_LENGTHS = 2.0
+"""A road shorter than so many lengths of the car is too short to turn round on it alone."""
 SAME_M, SAME_RAD = 0.4, 0.08
 """Poses that differ by less are one."""
 
@@ -149,21 +151,65 @@ class _Task(NamedTuple):
 
 
 @lru_cache(maxsize=TURNAROUNDS_KEPT)
-def turn_in_moves(
-    graph: RoadGraph, connection_id: str, limits: VehicleLimits, vehicle_class: str = "passenger"
-) -> Turn | None:
-    """Return how the car turns round on a connection in several moves; None: one sweep does, or no moves are found.
+def leads_back(graph: RoadGraph, connection_id: str) -> bool:
+    """Whether a connection leads back beside the way it comes from."""
+    connection = graph.connections[connection_id]
+    return abs(_turned(graph.lanes[connection.from_lane], connection, graph.lanes[connection.to_lane])) >= U_TURN_RAD
 
-    As few moves as possible, and if it can be with the middles of its bumpers on the road.
+
+def road_around(
+    graph: RoadGraph, connection_id: str, edges: Sequence[str], index: int, limits: VehicleLimits
+) -> tuple[str, ...]:
+    """Return the lanes that a route over `edges` takes before and behind a connection from `edges[index]`, where the roads
+    that it joins are too short to turn round on: as far as nobody is yielded to and no light waited for in between."""
+    own, found = graph.connections[connection_id], list[str]()
+    for lane_id, number, step, ways in (
+        (own.from_lane, index, -1, graph.incoming), (own.to_lane, index + 1, 1, graph.outgoing)
+    ):  # fmt: skip
+        reach = graph.lanes[lane_id].spine.length
+        while reach < STUB_LENGTHS * limits.length and 0 <= number + step < len(edges):
+            number += step
+            onward = _joining(graph, ways.get(lane_id, ()), edges[number], step)
+            if onward is None:
+                break
+            lane_id = onward.to_lane if step > 0 else onward.from_lane
+            found += (*onward.parts, lane_id)
+            reach += graph.lanes[lane_id].spine.length
+    return tuple(found)
+
+
+def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: int) -> Connection | None:
+    """Return the one of `ways` that leads to (`step` 1) or comes from (−1) an edge, if who takes it goes first there."""
+    for way in ways:
+        lane = graph.lanes.get(way.to_lane if step > 0 else way.from_lane)
+        if lane is not None and lane.edge_id == edge_id and way.light is None:
+            rule, regions = graph.junctions[way.junction_id].right_of_way, graph.regions.get(way.id, ())
+            if not any(rule.must_yield(way.index, graph.connections[region.other_id].index) for region in regions):
+                return way
+    return None
+
+
+@lru_cache(maxsize=TURNAROUNDS_KEPT)
+def turn_in_moves(
+    graph: RoadGraph,
+    connection_id: str,
+    limits: VehicleLimits,
+    vehicle_class: str = "passenger",
+    around: tuple[str, ...] = (),
+) -> Turn | None:
+    """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
+
+    As few moves as possible, and if it can be with the middles of its bumpers on the road, to which the lanes `around`
+    belong.
     """
     connection = graph.connections[connection_id]
     own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
     turned = _turned(own, connection, behind)
-    inside = [graph.lanes[part] for part in connection.parts]
+    inside = [graph.lanes[name] for name in (*connection.parts, *around)]
     before, exits = (
         [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
     )
-    if abs(turned) < U_TURN_RAD or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
+    if not leads_back(graph, connection_id) or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
         return None
     ground, side = ground_of([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
     start = own.spine.heading_at(own.spine.length)
