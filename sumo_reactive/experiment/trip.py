@@ -182,7 +182,7 @@ class Trip:
         drive, graph, edges, limits = step.drive, self.graph, self._route.edges, self.ego.limits
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
-            behind = left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.route_index - 1 :])
+            behind = left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.from_index :])
             return behind, ahead_of_mapping(graph, turn, drive.ego, limits, edges[turn.route_index :])
         stop = step.completed.stop.s if step.completed.stop else math.inf
         return haunt(graph, drive.plan, here, drive.ego, drive.s, limits, edges[here.route_index :], stop), None

@@ -136,13 +136,14 @@ class Move:
 @dataclass(frozen=True, slots=True)
 class Turnaround:
     """C leads back beside the way it came, too tightly for the car: it turns in several `moves`, the first from a stand with
-    its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, past `end`, whose edge
-    is the route's at `route_index`, and take about `duration` s."""
+    its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, past `end`, whose edges
+    are the route's at `from_index` and `route_index`, and take about `duration` s."""
 
     start: float
     line: float
     end: float
     from_lane: str
+    from_index: int
     to_lane: str
     route_index: int
     moves: tuple[Move, ...]

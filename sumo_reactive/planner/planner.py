@@ -14,7 +14,7 @@ from sumo_reactive.messages.state import Pose
 from sumo_reactive.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
 from sumo_reactive.planner.lane_choice import LaneChoice, choose_lanes, may_change
 from sumo_reactive.planner.lane_path import lane_path
-from sumo_reactive.planner.reference import Reference
+from sumo_reactive.planner.reference import Piece, Reference
 from sumo_reactive.planner.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.planner.trajectory import Trajectory, lane_limits, trajectory
 from sumo_reactive.planner.turnaround import leads_back, road_around, turn_in_moves
@@ -100,16 +100,24 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
         before = _index_of(reference, began)
         around = road_around(reference.graph, connection.id, route.edges, before, limits)
         turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class, around)
-        if turn is not None and began - turn.before - STOP_LINE_MARGIN_M > limits.front_overhang - LATE_M:
+        if turn is None or began - turn.before - STOP_LINE_MARGIN_M <= limits.front_overhang - LATE_M:
+            continue
+        start = began - turn.before
+        own = _piece_at(reference, start)
+        if not own.lane.is_internal:
             index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, before)
-            lanes, way = (connection.from_lane, connection.to_lane), (began - turn.before, began, ended)
-            found.append(Turnaround(*way, *lanes, index, turn.moves, turn.duration))
+            lanes = own.lane.id, own.route_index, connection.to_lane, index
+            found.append(Turnaround(start, began, ended, *lanes, turn.moves, turn.duration))
     return found
 
 
 def _index_of(reference: Reference, u: float) -> int:
     """Return the index in the route of the edge at reference arc length `u`, m, or of the one before a junction there."""
-    return [piece for piece in reference.pieces if piece.u <= u][-1].route_index
+    return _piece_at(reference, u).route_index
+
+
+def _piece_at(reference: Reference, u: float) -> Piece:
+    return [piece for piece in reference.pieces if piece.u <= u][-1]
 
 
 def _reference(

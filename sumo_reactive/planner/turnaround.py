@@ -70,6 +70,13 @@ class Turn(NamedTuple):
     duration: float
 
 
+class Around(NamedTuple):
+    """The lanes that the route takes before and behind a connection that leads back, in driving order."""
+
+    before: tuple[str, ...] = ()
+    behind: tuple[str, ...] = ()
+
+
 class _Pose(NamedTuple):
     """Place of the rear axle (m, m) and heading (rad)."""
 
@@ -159,22 +166,27 @@ def leads_back(graph: RoadGraph, connection_id: str) -> bool:
 
 def road_around(
     graph: RoadGraph, connection_id: str, edges: Sequence[str], index: int, limits: VehicleLimits
+) -> Around:
+    """Return what a route over `edges` takes before and behind a connection from `edges[index]`, where the roads that it
+    joins are too short to turn round on: as far as nobody is yielded to and no light waited for in between."""
+    own = graph.connections[connection_id]
+    before = _lanes_on(graph, own.from_lane, edges[:index][::-1], -1, limits)
+    return Around(before[::-1], _lanes_on(graph, own.to_lane, edges[index + 2 :], 1, limits))
+
+
+def _lanes_on(
+    graph: RoadGraph, lane_id: str, edges: Sequence[str], step: int, limits: VehicleLimits
 ) -> tuple[str, ...]:
-    """Return the lanes that a route over `edges` takes before and behind a connection from `edges[index]`, where the roads
-    that it joins are too short to turn round on: as far as nobody is yielded to and no light waited for in between."""
-    own, found = graph.connections[connection_id], list[str]()
-    for lane_id, number, step, ways in (
-        (own.from_lane, index, -1, graph.incoming), (own.to_lane, index + 1, 1, graph.outgoing)
-    ):  # fmt: skip
-        reach = graph.lanes[lane_id].spine.length
-        while reach < STUB_LENGTHS * limits.length and 0 <= number + step < len(edges):
-            number += step
-            onward = _joining(graph, ways.get(lane_id, ()), edges[number], step)
-            if onward is None:
-                break
-            lane_id = onward.to_lane if step > 0 else onward.from_lane
-            found += (*onward.parts, lane_id)
-            reach += graph.lanes[lane_id].spine.length
+    """Return the lanes over `edges` that follow on a lane (`step` 1) or come before it (−1), as far as needed to turn."""
+    found, reach = list[str](), graph.lanes[lane_id].spine.length
+    for edge_id in edges:
+        ways = (graph.outgoing if step > 0 else graph.incoming).get(lane_id, ())
+        onward = _joining(graph, ways, edge_id, step) if reach < STUB_LENGTHS * limits.length else None
+        if onward is None:
+            break
+        lane_id = onward.to_lane if step > 0 else onward.from_lane
+        found += (*onward.parts[::step], lane_id)
+        reach += graph.lanes[lane_id].spine.length
     return tuple(found)
 
 
@@ -195,28 +207,29 @@ def turn_in_moves(
     connection_id: str,
     limits: VehicleLimits,
     vehicle_class: str = "passenger",
-    around: tuple[str, ...] = (),
+    around: Around = Around(),
 ) -> Turn | None:
     """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
 
     As few moves as possible, and if it can be with the middles of its bumpers on the road, to which the lanes `around`
-    belong.
+    belong. On a stub it may begin on a lane before it.
     """
     connection = graph.connections[connection_id]
     own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
     turned = _turned(own, connection, behind)
-    inside = [graph.lanes[name] for name in (*connection.parts, *around)]
+    inside = [graph.lanes[name] for name in (*connection.parts, *around.before, *around.behind)]
     before, exits = (
         [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
     )
     if not leads_back(graph, connection_id) or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
         return None
+    approach = Polyline(np.vstack([*(graph.lanes[name].spine.points for name in around.before), own.spine.points]))
     ground, side = ground_of([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
     start = own.spine.heading_at(own.spine.length)
     for most, share, more in ATTEMPTS:
         aside = share * max(0.5 * limits.width - SPARE_M, 0.0)
         task = _Task(ground, (aside, aside + more), behind.spine, start + turned, side, limits)
-        found = _searched(task, _beginnings(own.spine, connection.hold_back, limits), most)
+        found = _searched(task, _beginnings(approach, connection.hold_back, limits), most)
         if found is not None:
             return found
     return None

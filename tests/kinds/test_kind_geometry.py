@@ -38,6 +38,16 @@ def test_the_ego_turns_round_at_a_dead_end(tmp_path, lanes, step):
     assert all(moment.lane for moment in run.ego.moments)
 
 
+@pytest.mark.parametrize("stub", [1, 4, 8])
+def test_the_ego_turns_round_where_the_dead_end_is_a_stub_and_stays_on_the_road(tmp_path, stub):
+    nodes = node("a", 0, 0) + node("b", 120, 0) + node("c", 120 + stub, 0)
+    ways = "".join(edge(ends) for ends in ("ab", "bc", "cb", "ba"))
+    net = Net(nodes, ways, options=())
+    run = driven(tmp_path, net, car("ego", "ab bc cb ba", 2), car("x", "ab bc cb ba", 8), until=120)
+    assert run.complaints(slower=2.5) == []
+    assert all(moment.lane for moment in run.ego.moments)
+
+
 @pytest.mark.parametrize("left_hand", [False, True])
 def test_a_van_turns_round_at_a_dead_end_with_another_behind_it(tmp_path, left_hand):
     options = ("--lefthand",) if left_hand else ()

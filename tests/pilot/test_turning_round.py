@@ -26,7 +26,7 @@ def turning(away: float = 30.0, speed: float = 8.0):
     moves = [Move(gear, angle, bend * gear, heading + until) for gear, angle, until in arcs]
     moves[2] = replace(moves[2], is_last=True)
     start = ego.seen().front + away
-    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", "eastbound_out_0", 1, tuple(moves), 20.0)
+    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, tuple(moves), 20.0)
     return replace(ego, plan=replace(ego.plan, turnarounds=(turn,))), turn
 
 
@@ -85,7 +85,7 @@ def test_a_move_waits_while_somebody_is_in_its_way_and_goes_on_then():
 def test_the_ego_makes_its_full_stop_where_it_turns_round():
     ego = before("blocked_lane", STREET, 10.0, 5.0)
     passage = ego.plan.passages[0]
-    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", "eastbound_out_0", 1, (), 20.0)
+    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", 0, "eastbound_out_0", 1, (), 20.0)
     (way,) = replace(ego, plan=replace(ego.plan, turnarounds=(turn,))).considered().ways
     assert (way.turn, way.line) == (turn, turn.start)
     assert ego.considered().ways[0].line == passage.start
