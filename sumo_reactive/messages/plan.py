@@ -136,8 +136,8 @@ class Move:
 @dataclass(frozen=True, slots=True)
 class Turnaround:
     """C leads back beside the way it came, too tightly for the car: it turns in several `moves`, the first from a stand with
-    its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, past `end`, whose edges
-    are the route's at `from_index` and `route_index`, and take about `duration` s."""
+    its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, whose edges are the
+    route's at `from_index` and `route_index`, past `end`, and take about `duration` s."""
 
     start: float
     line: float

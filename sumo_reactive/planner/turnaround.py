@@ -77,6 +77,9 @@ class Around(NamedTuple):
     behind: tuple[str, ...] = ()
 
 
+NOTHING_AROUND = Around()
+
+
 class _Pose(NamedTuple):
     """Place of the rear axle (m, m) and heading (rad)."""
 
@@ -207,7 +210,7 @@ def turn_in_moves(
     connection_id: str,
     limits: VehicleLimits,
     vehicle_class: str = "passenger",
-    around: Around = Around(),
+    around: Around = NOTHING_AROUND,
 ) -> Turn | None:
     """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
 
