@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import math
 import time as clock
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -209,8 +209,11 @@ class Trip:
         if aside is not None:
             aside = replace(aside, back=aside.back - drive.s, until=aside.until - drive.s)
         start = self._start_onto(drive, asked) if asked.onto else self._start(drive, self._front(drive))
+        if asked.change_lane:
+            with contextlib.suppress(PlanError):  # carried onto another lane, from which there is no such change
+                return replanned(drive, self._plan(start, asked.change_lane, aside), self._session.time)
         try:
-            return replanned(drive, self._plan(start, asked.change_lane, aside), self._session.time)
+            return replanned(drive, self._plan(start, aside=aside), self._session.time)
         except PlanError:  # carried past the last place to change lanes
             found = self._other_way(drive)
             if found is None:
@@ -323,7 +326,7 @@ class Trip:
         return ""
 
 
-@contextmanager
+@contextlib.contextmanager
 def world_kept() -> Iterator[None]:
     """Keep what has been built out of garbage collection, which would cost tens of milliseconds now and then.
 

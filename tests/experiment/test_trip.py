@@ -1,0 +1,29 @@
+"""The trip: what it makes of what the pilot asks the planner for."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from sumo_reactive.controller import Controller
+from sumo_reactive.experiment.scenario import load_scenario
+from sumo_reactive.experiment.trial import run_trial
+from sumo_reactive.messages.completed_plan import Replanning, Request
+
+FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
+
+
+def test_a_change_that_there_is_no_lane_for_when_it_is_planned_is_not_made(monkeypatch):
+    """The ego may have been carried onto another lane meanwhile; the pilot asks again, if the route still needs the change."""
+    step, asked = Controller.step, []
+
+    def asking(controller, traffic, drive, duration):
+        found = step(controller, traffic, drive, duration)
+        if len(asked) == 5:
+            request = Request(Replanning.CURVE, change_lane=-1)
+            found = found._replace(completed=replace(found.completed, request=request))
+        asked.append(found.completed.request)
+        return found
+
+    monkeypatch.setattr(Controller, "step", asking)
+    result = run_trial(load_scenario(FOUR_WAY))  # a road of one lane
+    assert asked[5].change_lane == -1
+    assert result.arrived
