@@ -137,7 +137,7 @@ class Move:
 class Turnaround:
     """C leads back beside the way it came, too tightly for the car: it turns in several `moves`, the first from a stand with
     its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, whose edges are the
-    route's at `from_index` and `route_index`, past `end`, and take about `duration` s."""
+    route's at `from_index` and `route_index`, `into` m past `end`, and take about `duration` s."""
 
     start: float
     line: float
@@ -148,6 +148,7 @@ class Turnaround:
     route_index: int
     moves: tuple[Move, ...]
     duration: float
+    into: float
 
     @property
     def pace(self) -> float:

@@ -48,9 +48,9 @@ def turn_round(
 ) -> Turning | None:
     """Return what the turn under way asks for, or one that begins now; None: the ego does not turn round.
 
-    It begins when the ego stands where it is to begin, and nothing keeps it from passing: `stop` is the nearest other place
-    to stop at, and nobody `comes_over` its ground. One that `is_stuck`, for somebody stands in the way of a move, goes on in
-    one sweep.
+    It begins when the ego stands where it is to begin, and nothing keeps it from where it ends: `stop` is the nearest other
+    place to stop at, and nobody `comes_over` its ground. One that `is_stuck`, for somebody stands in the way of a move, goes
+    on in one sweep.
     """
     if memory.move is None:
         number, place = _next(snapshot, plan), place_to_begin(snapshot, plan, memory, comes_over)
@@ -75,7 +75,7 @@ def _next(snapshot: Snapshot, plan: NominalPlan) -> int | None:
 def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: StopAt | None) -> bool:
     if snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
         return False
-    return stop is None or stop.s > turn.end
+    return stop is None or stop.s > turn.end + turn.into
 
 
 def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> Turning:

@@ -107,7 +107,7 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
         if not own.lane.is_internal:
             index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, before)
             lanes = own.lane.id, own.route_index, connection.to_lane, index
-            found.append(Turnaround(start, began, ended, *lanes, turn.moves, turn.duration))
+            found.append(Turnaround(start, began, ended, *lanes, turn.moves, turn.duration, turn.into))
     return found
 
 

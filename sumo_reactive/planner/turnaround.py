@@ -63,11 +63,13 @@ SAME_M, SAME_RAD = 0.4, 0.08
 
 
 class Turn(NamedTuple):
-    """A turn in `moves` from a stand with the front bumper `before` m before the end of the lane; it takes `duration` s."""
+    """A turn in `moves` from a stand with the front bumper `before` m before the end of the lane; it takes `duration` s and
+    ends with the front `into` m along the lane behind."""
 
     before: float
     moves: tuple[Move, ...]
     duration: float
+    into: float
 
 
 class Around(NamedTuple):
@@ -158,6 +160,12 @@ class _Task(NamedTuple):
         reach = self.limits.wheelbase
         x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
         return bool(abs(self.into.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
+
+    def front_along(self, pose: _Pose) -> float:
+        """Return how far along the lane to turn into the front bumper is, m; it may be past its end."""
+        (x, y), reach = self.into.at(0.0), self.limits.front_to_rear_axle
+        dx, dy = pose.x + reach * math.cos(pose.heading) - x, pose.y + reach * math.sin(pose.heading) - y
+        return dx * math.cos(self.until) + dy * math.sin(self.until)
 
 
 @lru_cache(maxsize=TURNAROUNDS_KEPT)
@@ -294,7 +302,7 @@ def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> 
         seen.add(place)
         last = _last_move(task, pose, lock) if gear > 0 else None
         if last is not None:
-            return _turn(before, (*moves, last[0]), way + last[1])
+            return _turn(before, (*moves, last[0]), way + last[1], task.front_along(last[2]))
         arc = task.arc(pose, gear, gear * lock)
         end = min(len(arc), task.turned(arc) - 1)
         for k in {int(share * end) for share in SHARES}:
@@ -305,15 +313,16 @@ def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> 
     return None
 
 
-def _last_move(task: _Task, pose: _Pose, lock: float) -> tuple[Move, float] | None:
-    """Return the move that ends in the lane, and its way, m; None: there is none from `pose`."""
+def _last_move(task: _Task, pose: _Pose, lock: float) -> tuple[Move, float, _Pose] | None:
+    """Return the move that ends in the lane, its way, m, and where it ends; None: there is none from `pose`."""
     for share in LOCKS:
         arc = task.arc(pose, 1, share * lock)
         k = task.turned(arc)
-        if k <= len(arc) and task.ends_in_lane(_Pose(*arc[k - 1].tolist())):
-            return task.move(1, share * lock, task.until, is_last=True), k * STEP_M
+        end = _Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
+        if end is not None and task.ends_in_lane(end):
+            return task.move(1, share * lock, task.until, is_last=True), k * STEP_M, end
     return None
 
 
-def _turn(before: float, moves: tuple[Move, ...], way: float) -> Turn:
-    return Turn(before, moves, way / MOVE_SPEED + MOVE_CHANGE_S * len(moves))
+def _turn(before: float, moves: tuple[Move, ...], way: float, into: float) -> Turn:
+    return Turn(before, moves, way / MOVE_SPEED + MOVE_CHANGE_S * len(moves), into)

@@ -12,7 +12,7 @@ FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
 
 
 def test_a_change_that_there_is_no_lane_for_when_it_is_planned_is_not_made(monkeypatch):
-    """The ego may have been carried onto another lane meanwhile; the pilot asks again, if the route still needs the change."""
+    """The ego may have come onto another lane meanwhile; if the route still needs the change, the pilot asks again."""
     step, asked = Controller.step, []
 
     def asking(controller, traffic, drive, duration):

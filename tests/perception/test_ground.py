@@ -22,7 +22,7 @@ def ego():
     arcs = ((1, LOCK, 0.9), (-1, -LOCK, 1.6), (1, LOCK, 3.1))
     moves = tuple(Move(gear, angle, bend * gear, heading + until) for gear, angle, until in arcs)
     front = standing.seen().front
-    turn = Turnaround(front + 0.5, front + 1.0, front + 6.0, "eastbound_0", 0, "westbound_0", 1, moves, 15.0)
+    turn = Turnaround(front + 0.5, front + 1.0, front + 6.0, "eastbound_0", 0, "westbound_0", 1, moves, 15.0, 5.0)
     return replace(standing, plan=replace(standing.plan, turnarounds=(turn,)))
 
 

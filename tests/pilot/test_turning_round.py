@@ -26,7 +26,7 @@ def turning(away: float = 30.0, speed: float = 8.0):
     moves = [Move(gear, angle, bend * gear, heading + until) for gear, angle, until in arcs]
     moves[2] = replace(moves[2], is_last=True)
     start = ego.seen().front + away
-    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, tuple(moves), 20.0)
+    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, tuple(moves), 20.0, 5.0)
     return replace(ego, plan=replace(ego.plan, turnarounds=(turn,))), turn
 
 
@@ -69,7 +69,8 @@ def test_after_the_last_move_the_pilot_asks_for_a_curve_on_the_lane_turned_into(
 def test_the_ego_does_not_begin_while_another_place_keeps_it_there():
     ego, turn = turning(1.0, 0.0)
     snapshot = ego.seen()
-    for stop, begins in ((None, True), (StopAt(turn.line, Reason.RED_LIGHT), False), (StopAt(60.0, Reason.YIELD_TO), True)):
+    stops = (StopAt(turn.line, Reason.RED_LIGHT), StopAt(turn.end + 3.0, Reason.RED_LIGHT), StopAt(60.0, Reason.YIELD_TO))
+    for stop, begins in zip((None, *stops), (True, False, False, True), strict=True):
         assert (turn_round(snapshot, ego.plan, stop, ego.memory) is not None) is begins
 
 
@@ -85,7 +86,7 @@ def test_a_move_waits_while_somebody_is_in_its_way_and_goes_on_then():
 def test_the_ego_makes_its_full_stop_where_it_turns_round():
     ego = before("blocked_lane", STREET, 10.0, 5.0)
     passage = ego.plan.passages[0]
-    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", 0, "eastbound_out_0", 1, (), 20.0)
+    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", 0, "eastbound_out_0", 1, (), 20.0, 5.0)
     (way,) = replace(ego, plan=replace(ego.plan, turnarounds=(turn,))).considered().ways
     assert (way.turn, way.line) == (turn, turn.start)
     assert ego.considered().ways[0].line == passage.start

@@ -58,6 +58,7 @@ def test_a_car_turns_round_on_a_narrow_road_and_its_bumpers_hardly_leave_it(leng
     _, y, heading = poses[-1]
     assert math.cos(heading) == pytest.approx(-1.0, abs=0.01)
     assert side * (y + limits.wheelbase * math.sin(heading)) == pytest.approx(WIDTH, abs=0.45)
+    assert 100.0 - (poses[-1][0] + limits.front_to_rear_axle * math.cos(heading)) == pytest.approx(turn.into, abs=0.3)
 
 
 def test_where_one_sweep_stays_on_the_road_it_takes_no_moves():
