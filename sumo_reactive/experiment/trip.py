@@ -260,9 +260,12 @@ class Trip:
         """Return the start on the lane that the car has turned into, or on one behind it that its front has reached."""
         x, y = front_of(drive.ego.pose, self.ego.limits)
         lane, index = self.graph.lanes[asked.onto], asked.route_index
-        while (onward := self._onward(lane, index)) is not None and onward.spine.project(x, y)[0] > 0.0:
-            lane, index = onward, index + 1
         position = lane.spine.project(x, y)[0]
+        while position >= lane.spine.length and (onward := self._onward(lane, index)) is not None:
+            reached = onward.spine.project(x, y)[0]
+            if reached <= 0.0:
+                break
+            lane, index, position = onward, index + 1, reached
         start = self._start(drive, self._front(drive))
         return replace(start, lane_id=lane.id, lane_position=position, route_index=index)
 
