@@ -1,4 +1,4 @@
-"""Compiled kernels: one decorator, and a disk cache that a changed source can never leave stale.
+"""Compiled kernels: one decorator, a disk cache that a changed source can never leave stale, interrupts while they load.
 
 Numba notices a change in the file of a cached function, not in the functions that it calls from other files. The cache
 therefore lies in a folder named after the contents of all sources that hold kernels.

@@ -137,7 +137,7 @@ class _Task(NamedTuple):
 
     ground: Floats
     beyond: tuple[float, float]
-    into: Polyline
+    lane: Polyline
     until: float
     side: int
     limits: VehicleLimits
@@ -159,11 +159,11 @@ class _Task(NamedTuple):
         """Whether the front axle is in the lane to turn into."""
         reach = self.limits.wheelbase
         x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
-        return bool(abs(self.into.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
+        return bool(abs(self.lane.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
 
     def front_along(self, pose: _Pose) -> float:
         """Return how far along the lane to turn into the front bumper is, m; it may be past its end."""
-        (x, y), reach = self.into.at(0.0), self.limits.front_to_rear_axle
+        (x, y), reach = self.lane.at(0.0), self.limits.front_to_rear_axle
         dx, dy = pose.x + reach * math.cos(pose.heading) - x, pose.y + reach * math.sin(pose.heading) - y
         return dx * math.cos(self.until) + dy * math.sin(self.until)
 
