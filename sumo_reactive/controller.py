@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import lru_cache
 from typing import NamedTuple
 
 from sumo_reactive.executor.executor import Execution, execute
@@ -14,7 +15,7 @@ from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S
+from sumo_reactive.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S, PLANS_KEPT
 from sumo_reactive.perception.attention import conflicts_of
 from sumo_reactive.perception.foes import foes_of
 from sumo_reactive.perception.outlook import outlook
@@ -121,7 +122,7 @@ class Controller:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
         none yet."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
-        ahead = self._ahead(snapshot, plan)
+        ahead = passages_ahead(self.graph, plan, snapshot.passages)
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
         if not events and drive.completed is not None:
@@ -136,10 +137,6 @@ class Controller:
             completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
         return snapshot, completed, memory
 
-    def _ahead(self, snapshot: Snapshot, plan: NominalPlan) -> Ahead:
-        ids = ((i, plan.passages[i].connection_id) for i in snapshot.passages)
-        return tuple((i, self.graph.connections[name], conflicts_of(self.graph, name)) for i, name in ids)
-
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:
         """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""
         if self.profile is Profile.DEFAULT:
@@ -150,6 +147,13 @@ class Controller:
         plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
         static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
         return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static)
+
+
+@lru_cache(maxsize=PLANS_KEPT)
+def passages_ahead(graph: RoadGraph, plan: NominalPlan, passages: tuple[int, ...]) -> Ahead:
+    """Return what the map knows of some passages of a plan, by their indices."""
+    ids = ((i, plan.passages[i].connection_id) for i in passages)
+    return tuple((i, graph.connections[name], conflicts_of(graph, name)) for i, name in ids)
 
 
 def moved(traffic: Traffic, duration: float) -> Traffic:

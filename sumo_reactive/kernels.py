@@ -6,7 +6,7 @@ import numpy as np
 
 from sumo_reactive.executor.velocity import carried_out
 from sumo_reactive.geometry.polyline import Polyline
-from sumo_reactive.perception.corridor import blocking_ones, near_boxes, touchable
+from sumo_reactive.perception.corridor import blocking_ones, near_boxes
 from sumo_reactive.perception.foresee import point_at, turned
 from sumo_reactive.vehicle.safe_speed import following_speed, stopping_speed
 
@@ -16,13 +16,12 @@ def load_kernels() -> None:
 
     The first call of a process takes some milliseconds, in which its code comes from the disk.
     """
-    path, boxes = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]), np.zeros((1, 8))
+    path, boxes = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]), np.zeros((1, 6))
     x, y, _ = (np.ascontiguousarray(column) for column in path.T)
     Polyline(path[:, :2]).sampled(1.0)
     turned(path, 0.0, 1.0, 0.0, 1.0)
     point_at(path, 0.0)
-    touchable(boxes, 0.0, 0.0, 0.0, 0.0, 1.0)
-    near_boxes(boxes, 0.0, 0.0, 1.0)
+    near_boxes(boxes, 0.0, 0.0, 0.0, 0.0, 1.0)
     blocking_ones(boxes, x, y, y, 1.0, 0.0, 1.0, y, y, 0.0)
     stopping_speed(1.0, 1.0, 1.0)
     following_speed(1.0, 1.0, 1.0, 1.0)

@@ -25,6 +25,28 @@ def moved(box: Array, t: float, turn_rate: float) -> tuple[float, float, float]:
 
 
 @kernel
+def within_reach(
+    x: float, y: float, heading: float, speed: float, middle: float, radius: float, boxes: Array, horizon: float
+) -> NDArray[np.int64]:
+    """Return which of `boxes` (n, 8) are ahead of the ego's middle and could be touched within `horizon` s.
+
+    The ego's middle is `middle` m ahead of its rear axle at (x, y), its body within `radius` m of that.
+    """
+    c, s = math.cos(heading), math.sin(heading)
+    cx, cy = x + middle * c, y + middle * s
+    found = np.empty(len(boxes), dtype=np.int64)
+    n = 0
+    for k in range(len(boxes)):
+        dx, dy = boxes[k, 0] - cx, boxes[k, 1] - cy
+        reach = radius + boxes[k, 4] + boxes[k, 5] + (speed + boxes[k, 3]) * horizon + 1.0
+        ahead = (boxes[k, 0] - x) * c + (boxes[k, 1] - y) * s
+        if ahead > middle and dx * dx + dy * dy < reach * reach:
+            found[n] = k
+            n += 1
+    return found[:n]
+
+
+@kernel
 def braking_collides(
     x: float, y: float, heading: float, speed: float, steering_angle: float, wheelbase: float, axle_to_front: float,
     length: float, width: float, deceleration: float, boxes: Array, start: float, horizon: float, step: float,
@@ -37,14 +59,14 @@ def braking_collides(
     ego stands, has to look out himself; who leaves the road at the end of his way touches nobody behind it. `boxes` (n, 8):
     front x, y, heading, speed, length, width, turn rate (rad/s), way left (m).
     """
-    t, v = start, speed
+    middle = axle_to_front - 0.5 * length
+    possible = within_reach(x, y, heading, speed, middle, 0.5 * (length + width), boxes, horizon)
+    t, v = start, speed if len(possible) > 0 else 0.0
     px, py, ph = x, y, heading
     while t <= horizon and v > 0.0:
-        back = axle_to_front - 0.5 * length
-        cx, cy = px + back * math.cos(ph), py + back * math.sin(ph)
-        for k in range(len(boxes)):
-            ahead = (boxes[k, 0] - x) * math.cos(heading) + (boxes[k, 1] - y) * math.sin(heading)
-            if ahead <= axle_to_front - 0.5 * length or boxes[k, 3] * t > boxes[k, 7]:
+        cx, cy = px + middle * math.cos(ph), py + middle * math.sin(ph)
+        for k in possible:
+            if boxes[k, 3] * t > boxes[k, 7]:
                 continue
             touched = True
             for turn_rate in (boxes[k, 6], 0.0):

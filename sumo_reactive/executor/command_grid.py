@@ -13,7 +13,6 @@ from sumo_reactive.parameters import (
     MAX_LATERAL_JERK,
     PAPER_LATERAL_STEP,
     PAPER_STEERING_SPEED,
-    PLANNED_DECELERATION,
 )
 from sumo_reactive.vehicle.limits import VehicleLimits
 
@@ -65,7 +64,7 @@ def fine_grid(
     ever harder. After harder braking than planned they lie about the planned one: an emergency ends at once. Steering
     rates lie around `steering`, the rate that C asks for.
     """
-    planned = min(PLANNED_DECELERATION, limits.service_deceleration)
+    planned = limits.planned_deceleration
     accelerations, rates = _fine_axes(
         max(acceleration, -planned), wanted, steering, steering_rate_limit(limits, speed), COMFORT_JERK * period,
         planned, limits.emergency_deceleration, limits.max_acceleration,

@@ -20,7 +20,7 @@ from sumo_reactive.messages.decision import Instruction
 from sumo_reactive.messages.plan import TimeConstraint
 from sumo_reactive.messages.record import BEND, STOP_PLACE, TOO_NEAR
 from sumo_reactive.messages.snapshot import Leader, Neighbour, Snapshot
-from sumo_reactive.messages.state import Command, VehicleState
+from sumo_reactive.messages.state import Command, Pose, VehicleState
 from sumo_reactive.parameters import (
     BACK_UP_SPEED,
     BEND_ENTRY_S,
@@ -32,7 +32,6 @@ from sumo_reactive.parameters import (
     CURVATURE_WINDOW_M,
     EXCESS_GAIN,
     HARD_STOP_MARGIN_M,
-    PLANNED_DECELERATION,
     PRESSING_GAIN,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
@@ -99,11 +98,6 @@ class _Braking(NamedTuple):
     is_emergency: bool = False
 
 
-def planned_deceleration(limits: VehicleLimits) -> float:
-    """Return the hardest braking that is no emergency, m/s²."""
-    return min(PLANNED_DECELERATION, limits.service_deceleration)
-
-
 def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Wish:
     """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave.
 
@@ -111,7 +105,7 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     that would not stop clear, harder: then it names the hazard.
     """
     speed, front, profile = snapshot.ego.speed, snapshot.front, completed.tuning.profile
-    comfort = min(limits.comfort_deceleration * profile.deceleration, planned_deceleration(limits))
+    comfort = min(limits.comfort_deceleration * profile.deceleration, limits.planned_deceleration)
     easing = _easing(snapshot, completed, limits, comfort)
     free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
     eased = speed - easing.rate * period  # carried off C, it must be slower than C asks for, to come back to it
@@ -152,7 +146,7 @@ def _braking(
 
     The planned braking is enough as long as it stays within `room`; it presses where its gentle onset would not.
     """
-    planned = planned_deceleration(limits)
+    planned = limits.planned_deceleration
     needed = _needed(speed, final, max(away, BRAKING_SHARE * room), limits)
     if needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY:
         return _Braking(needed, is_pressing=True, is_emergency=True)
@@ -164,7 +158,7 @@ def _braking(
 def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> _Braking:
     """Return the braking towards the road's speed: comfortable, harder where the ego is too fast for it, an emergency where
     planned braking would not hold the bend ahead or the one that it is in."""
-    speed, road, planned = snapshot.ego.speed, completed.plan.road_speed(snapshot.s), planned_deceleration(limits)
+    speed, road, planned = snapshot.ego.speed, completed.plan.road_speed(snapshot.s), limits.planned_deceleration
     is_off = abs(snapshot.d) > BEND_ROOM_M
     if is_off or speed * speed * limits.comfort_deceleration > road * road * planned:
         ahead = _braking_for_bend(snapshot, completed, limits)
@@ -180,7 +174,7 @@ def _braking_for_bend(snapshot: Snapshot, completed: CompletedPlan, limits: Vehi
     window = max(int(CURVATURE_WINDOW_M / curve.step), 1)
     near = max(BEND_ENTRY_S * speed, curve.step)
     first = int((snapshot.s + near) / curve.step)
-    reach = int(speed * speed / (2.0 * planned_deceleration(limits)) / curve.step) + window
+    reach = int(speed * speed / (2.0 * limits.planned_deceleration) / curve.step) + window
     bends = np.abs(curve.curvature[first : first + reach + 1])
     if len(bends) <= window:
         return 0.0
@@ -194,7 +188,7 @@ def _braking_for_bend(snapshot: Snapshot, completed: CompletedPlan, limits: Vehi
 def _braking_in_bend(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, least: float) -> float:
     """Return the deceleration (m/s²), `least` or harder, with which the ego is carried off C no farther than BEND_ROOM_M or
     than it is; the emergency's where none is enough."""
-    curve, ego, planned = completed.plan.curve, snapshot.ego, planned_deceleration(limits)
+    curve, ego, planned = completed.plan.curve, snapshot.ego, limits.planned_deceleration
     error = wrapped(ego.pose.heading + ego.steering_angle - curve.at(snapshot.s)[2])
     lateral = BEND_SHARE * limits.max_lateral_acceleration
     held = max(BEND_ROOM_M, abs(snapshot.d) + SLIGHTLY_M[ego.acceleration < -planned - HARDER_BY])
@@ -306,20 +300,17 @@ def execute(
         grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
     if completed.tuning.wide_grid:
         grid = wide_grid(limits)
-    planned = limits.service_deceleration if nine_commands else planned_deceleration(limits)
+    planned = limits.service_deceleration if nine_commands else limits.planned_deceleration
     lowest = min(wanted, ego.speed - planned * period)
     room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
-    index, verdict, *terms = _choose(snapshot, completed, grid, limits, period, room, (wanted, lowest), valley)
-    command = Command(
-        float(grid.accelerations[index // len(grid.steering_rates)]),
-        float(grid.steering_rates[index % len(grid.steering_rates)]),
+    index, verdict, potentials, state = _choose(
+        snapshot, completed, grid, limits, period, room, (wanted, lowest), valley
     )
-    w = completed.tuning.weights
-    total = w.valley * terms[0] + w.shadow * terms[1] + w.velocity * terms[2]
-    state = advance(ego, command, limits.wheelbase, period)
+    i, j = divmod(index, len(grid.steering_rates))
+    command = Command(grid.accelerations.item(i), grid.steering_rates.item(j))
     emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
     hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
-    return Execution(command, state, wanted, Potentials(total, *terms), emergency, hazard)
+    return Execution(command, state, wanted, potentials, emergency, hazard)
 
 
 def _choose(
@@ -331,7 +322,8 @@ def _choose(
     room: float,
     aims: tuple[float, float],
     valley: ValleyMap,
-) -> tuple[int, int, float, float, float]:
+) -> tuple[int, int, Potentials, VehicleState]:
+    """Return the command's index, the verdict on it, its potentials and the state that it leads to."""
     ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
     p = ego.pose
     state = np.array((p.x, p.y, p.heading, ego.speed, ego.steering_angle))
@@ -349,12 +341,13 @@ def _choose(
             lateral,
         )
     )
-    boxes = snapshot.boxes
-    return choose_command(
+    index, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
         state, grid.accelerations, grid.steering_rates, bounds, period, room, *aims,
         np.array((w.valley, w.shadow, w.velocity)), curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
-        valley.bitmaps, valley.x0, valley.y0, valley.cell, boxes, boxes,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes,
     )  # fmt: skip
+    potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
+    return index, verdict, potentials, VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
 
 
 def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:

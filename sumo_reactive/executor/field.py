@@ -119,89 +119,115 @@ def mapped_valley(
 def expand(
     state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float, out: Array
 ) -> None:
-    """Fill `out` (a·w, 8) with x, y, heading, speed, angle, kinematically allowed, stops in time, index of v̇.
+    """Fill `out` (a·w, 4) with speed, angle, kinematically allowed, stops in time.
 
     `state` (5): x, y, heading, speed, angle. `limits` (9): wheelbase, to front, length, width, top speed, φmax, lateral
     limit, emergency deceleration, present lateral acceleration. `room`: way left to a stop, m.
     """
-    k = 0
-    for i in range(len(accelerations)):
-        v = min(max(0.0, state[3] + accelerations[i] * period), max(limits[4], state[3]))
-        stops = v * period + v * v / (2.0 * limits[7]) <= room or v == 0.0
-        for j in range(len(rates)):
-            angle = state[4] + rates[j] * period
-            x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
-            lateral = abs(v * v * math.sin(angle) / limits[0])
-            allowed = abs(angle) <= limits[5] + 1e-9 and lateral <= max(limits[6], limits[8])
-            out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = x, y, h, v, angle
-            out[k, 5], out[k, 6], out[k, 7] = 1.0 if allowed else 0.0, 1.0 if stops else 0.0, float(i)
-            k += 1
+    for j in range(len(rates)):
+        angle = state[4] + rates[j] * period
+        turn, within = math.sin(angle), abs(angle) <= limits[5] + 1e-9
+        for i in range(len(accelerations)):
+            v = min(max(0.0, state[3] + accelerations[i] * period), max(limits[4], state[3]))
+            stops = v * period + v * v / (2.0 * limits[7]) <= room or v == 0.0
+            allowed = within and abs(v * v * turn / limits[0]) <= max(limits[6], limits[8])
+            q = out[i * len(rates) + j]
+            q[0], q[1], q[2], q[3] = v, angle, 1.0 if allowed else 0.0, 1.0 if stops else 0.0
+
+
+@kernel
+def valley_of_command(
+    state: Array, pose: tuple[float, float, float], speed: float, angle: float, turn: float, limits: Array, period: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float,
+) -> float:  # fmt: skip
+    """U₁ of the command that leads from `state` (5) to `pose`, `speed` (m/s) and steering `angle` (rad) within the period.
+
+    `turn`: what the steering angle can change by in a period, rad.
+    """
+    if len(bitmaps) == 0:
+        return valley_at(pose[0], pose[1], pose[2], speed, angle, limits[0], period, cx, cy, ch, step, s, static)
+    x, y, heading = ramped(state[0], state[1], state[2], state[3], state[4], speed, angle, limits[0], period)
+    v = max(speed, MIN_MAP_SPEED)
+    return mapped_valley(x, y, heading, v, angle, turn, limits, period, bitmaps, x0, y0, cell)
 
 
 @kernel
 def choose_command(
     state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float,
     wanted: float, lowest: float, weights: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, near: Array,
-) -> tuple[int, int, float, float, float]:  # fmt: skip
-    """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command.
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array,
+) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
+    """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
+    steering angle where it leads.
 
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
     touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
     other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
-    keeps the limits. `boxes` (n, 8) cast U₂, `near` (m, 8) are tested for contact.
+    keeps the limits. `boxes` (n, 8) cast U₂ and are tested for contact.
+
+    No term is negative, so U₁ and U₂ are due only for what would win without them: of each command U grows term by term
+    until the least one is whole.
     """
     n = len(accelerations) * len(rates)
-    next_states = np.empty((n, 8))
-    expand(state, accelerations, rates, limits, period, room, next_states)
+    ahead = np.empty((n, 4))
+    expand(state, accelerations, rates, limits, period, room, ahead)
     corners = corners_of(boxes)
-    terms = np.empty((n, 3))
-    total = np.full(n, np.inf)
-    hardest = int(np.argmin(accelerations))
+    terms, poses = np.zeros((n, 3)), np.empty((n, 3))
+    total, of_speed, grown = np.full(n, np.inf), np.zeros(n), np.zeros(n, dtype=np.int64)
     fine = len(accelerations) > 3  # three accelerations have none between gentle and hard
-    fallback, fallback_valley = -1, np.inf
     for k in range(n):
-        q = next_states[k]
-        if q[5] == 0.0:
+        v, _, allowed, stops = ahead[k]
+        if allowed == 0.0:
             continue
-        if len(bitmaps) > 0:
-            qx, qy, qh = ramped(state[0], state[1], state[2], state[3], state[4], q[3], q[4], limits[0], period)
-            v, turn = max(q[3], MIN_MAP_SPEED), rates[-1] * period
-            terms[k, 0] = mapped_valley(qx, qy, qh, v, q[4], turn, limits, period, bitmaps, x0, y0, cell)
-        else:
-            terms[k, 0] = valley_at(q[0], q[1], q[2], q[3], q[4], limits[0], period, cx, cy, ch, step, s, static)
-        if q[7] == hardest and terms[k, 0] < fallback_valley:
-            fallback, fallback_valley = k, terms[k, 0]
-        terms[k, 1] = 0.0
-        terms[k, 2] = velocity_potential(q[3], wanted)
-        if q[6] > 0.0:
-            harsh = max(0.0, wanted - q[3] - HARSH_FROM) if fine else 0.0
-            total[k] = weights[0] * terms[k, 0] + weights[2] * (terms[k, 2] + HARSHNESS * harsh)
-            if q[3] < lowest - 1e-6:
-                total[k] += _HARDER
-    shadowed = np.zeros(n, dtype=np.bool_)
-    shadowed[:] = weights[1] <= 0.0 or len(boxes) == 0
+        terms[k, 2] = velocity_potential(v, wanted)
+        harsh = max(0.0, wanted - v - HARSH_FROM) if fine else 0.0
+        of_speed[k] = weights[2] * (terms[k, 2] + HARSHNESS * harsh)
+        if stops > 0.0:
+            total[k] = of_speed[k] + (_HARDER if v < lowest - 1e-6 else 0.0)
+    turn, casts = rates[-1] * period, weights[1] > 0.0 and len(boxes) > 0
     while True:
         best = int(np.argmin(total))
         if total[best] == np.inf:
             break
-        q = next_states[best]
-        if not shadowed[best]:  # U₂ only adds, so it is due only for what would win without it
+        v, angle = ahead[best, 0], ahead[best, 1]
+        x, y, h = poses[best]
+        if grown[best] == 0:
+            x, y, h = poses[best] = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+            terms[best, 0] = valley_of_command(
+                state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+            )
+            total[best] = weights[0] * terms[best, 0] + of_speed[best] + (_HARDER if v < lowest - 1e-6 else 0.0)
+            grown[best] = 1
+        elif grown[best] == 1 and casts:
             terms[best, 1] = shadow_sum(
-                q[0], q[1], q[2], q[3], limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE,
-                SHADOW_HORIZON_M,
-            )  # fmt: skip
+                x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
+            )
             total[best] += weights[1] * terms[best, 1]
-            shadowed[best] = True
-            continue
-        if len(near) == 0 or not braking_collides(
-            q[0], q[1], q[2], q[3], q[4], limits[0], limits[1], limits[2], limits[3], limits[7], near, period,
-            COLLISION_HORIZON_S, COLLISION_STEP_S,
+            grown[best] = 2
+        elif braking_collides(
+            x, y, h, v, angle, limits[0], limits[1], limits[2], limits[3], limits[7], boxes, period, COLLISION_HORIZON_S,
+            COLLISION_STEP_S,
         ):  # fmt: skip
-            verdict = EMERGENCY if q[3] < lowest - 1e-6 else ADMISSIBLE
-            return best, verdict, terms[best, 0], terms[best, 1], terms[best, 2]
-        total[best] = np.inf
+            total[best] = np.inf
+        else:
+            verdict = EMERGENCY if v < lowest - 1e-6 else ADMISSIBLE
+            return best, verdict, terms[best, 0], terms[best, 1], terms[best, 2], x, y, h, v, angle
+    hardest = int(np.argmin(accelerations))
+    fallback, least = -1, np.inf
+    for k in range(hardest * len(rates), (hardest + 1) * len(rates)):
+        v, angle, allowed, _ = ahead[k]
+        if allowed == 0.0:
+            continue
+        pose = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+        terms[k, 0] = valley_of_command(
+            state, pose, v, angle, turn, limits, period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+        )
+        if terms[k, 0] < least:
+            fallback, least = k, terms[k, 0]
     if fallback < 0:
         fallback = hardest * len(rates) + int(np.argmin(np.abs(rates)))
         terms[fallback] = 0.0
-    return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2]
+    v, angle = ahead[fallback, 0], ahead[fallback, 1]
+    x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+    return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2], x, y, h, v, angle

@@ -86,11 +86,12 @@ def _swept(
 
 
 @kernel
-def _cuts(px: float, py: float, heading: float, half: float, box: Array) -> bool:
-    """Whether the cross-section of half-width `half` at a pose of C meets a box (front x, y, heading, -, length, width)."""
-    c, s = math.cos(box[2]), math.sin(box[2])
+def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Array, c: float, s: float) -> bool:
+    """Whether the cross-section of half-width `half` at a place of C meets a box (front x, y, heading, -, length, width).
+
+    C runs along (tx, ty) there, the box along (c, s).
+    """
     dx, dy = px - box[0] + 0.5 * box[4] * c, py - box[1] + 0.5 * box[4] * s
-    tx, ty = math.cos(heading), math.sin(heading)
     turn_c, turn_s = abs(tx * c + ty * s), abs(ty * c - tx * s)
     if abs(dx * c + dy * s) > 0.5 * box[4] + half * turn_s:
         return False
@@ -109,35 +110,31 @@ def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
 
 
 @kernel
-def near_boxes(boxes: Array, x: float, y: float, reach: float) -> Array:
-    """Return those of `boxes` (n, 6: front x, y, …) that are nearer to (x, y) than `reach` in |Δx| + |Δy|, m."""
-    out = np.empty_like(boxes)
-    k = 0
-    for i in range(len(boxes)):
-        if abs(boxes[i, 0] - x) + abs(boxes[i, 1] - y) < reach:
-            out[k] = boxes[i]
-            k += 1
-    return out[:k]
-
-
-@kernel
-def touchable(boxes: Array, x: float, y: float, heading: float, speed: float, length: float) -> NDArray[np.int64]:
-    """Return which of `boxes` (n, 8) move and could touch an ego of `length` m within the time that turning is foreseen.
+def near_boxes(
+    boxes: Array, x: float, y: float, heading: float, speed: float, length: float
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return those of `boxes` (n, 6) that are nearer than NEAR_M in |Δx| + |Δy|, (m, 8): with no turn rate and no end of
+    their way; and which of them move and could touch an ego of `length` m within the time that turning is foreseen, (k, 2):
+    their rows there and in `boxes`.
 
     The ego's rear axle is at (x, y), m. Who is behind it cannot: he has to look out himself.
     """
     c, s = math.cos(heading), math.sin(heading)
     own = length + (speed + SPEED_GAINED) * TURN_FORESEEN_S + WIDTHS_M
-    out = np.empty(len(boxes), dtype=np.int64)
-    n = 0
-    for k in range(len(boxes)):
-        dx, dy = boxes[k, 0] - x, boxes[k, 1] - y
-        away, reach = abs(dx) + abs(dy), own + boxes[k, 4] + boxes[k, 3] * TURN_FORESEEN_S
-        near = away < NEAR_M and dx * dx + dy * dy < reach * reach
-        if near and boxes[k, 3] > STANDING_SPEED and dx * c + dy * s > -BEHIND_SHARE * away:
-            out[n] = k
-            n += 1
-    return out[:n]
+    near, touchable = np.zeros((len(boxes), 8)), np.empty((len(boxes), 2), dtype=np.int64)
+    m = k = 0
+    for i in range(len(boxes)):
+        dx, dy = boxes[i, 0] - x, boxes[i, 1] - y
+        away, reach = abs(dx) + abs(dy), own + boxes[i, 4] + boxes[i, 3] * TURN_FORESEEN_S
+        if not away < NEAR_M:
+            continue
+        near[m, :6], near[m, 7] = boxes[i, :6], np.inf
+        ahead = dx * c + dy * s > -BEHIND_SHARE * away
+        if ahead and boxes[i, 3] > STANDING_SPEED and dx * dx + dy * dy < reach * reach:
+            touchable[k, 0], touchable[k, 1] = m, i
+            k += 1
+        m += 1
+    return near[:m], touchable[:k]
 
 
 @kernel
@@ -155,16 +152,19 @@ def blocked_stretches(
     high = min(len(cx) - 1, int(end / step))
     for k in range(len(boxes)):
         box = boxes[k]
-        mx, my = box[0] - 0.5 * box[4] * math.cos(box[2]), box[1] - 0.5 * box[4] * math.sin(box[2])
+        c, s = math.cos(box[2]), math.sin(box[2])
+        mx, my = box[0] - 0.5 * box[4] * c, box[1] - 0.5 * box[4] * s
         radius = 0.5 * math.hypot(box[4], box[5]) + widest
         i = low
         while i <= high:
-            away = math.hypot(cx[i] - mx, cy[i] - my) - radius
+            dx, dy = cx[i] - mx, cy[i] - my
+            away = math.sqrt(dx * dx + dy * dy) - radius
             if away > step:
                 i += int(away / step)
                 continue
             half, shift = 0.5 * (left[i] + right[i]), 0.5 * (left[i] - right[i])
-            if _cuts(cx[i] - shift * math.sin(ch[i]), cy[i] + shift * math.cos(ch[i]), ch[i], half, box):
+            tx, ty = math.cos(ch[i]), math.sin(ch[i])
+            if _cuts(cx[i] - shift * ty, cy[i] + shift * tx, tx, ty, half, box, c, s):
                 if np.isnan(out[k, 0]):
                     touch = min(max(_first_touch(cx[i], cy[i], ch[i], box), -step), 0.0)
                     out[k, 0] = i * step + (touch if i > low else 0.0)

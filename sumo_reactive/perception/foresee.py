@@ -74,6 +74,8 @@ def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
     """
     ways, at, length = paths_ahead(graph, user.lane_id, user.route[:3]), user.lane_position, user.body.length
     turns = [turned(way, at, user.speed * duration, user.heading, length) for way in ways]
+    if len(turns) == 1:
+        return turns[0] / duration
     least = min(turns, key=abs, default=0.0)
     return least / duration if all(turn * least > 0.0 for turn in turns) else 0.0
 

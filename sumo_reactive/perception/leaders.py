@@ -45,15 +45,13 @@ def _crosses(obstacle: PathObstacle) -> bool:
 
 
 def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleLimits) -> Leader | None:
-    user, along, across = obstacle.user, obstacle.along, abs(obstacle.across)
-    brakes = user.body.emergency_deceleration
-    gap = obstacle.start - front
+    user, start, along = obstacle.user, obstacle.start, obstacle.along
+    brakes, gap = user.body.emergency_deceleration, start - front
     if comes_towards(obstacle):
-        shared = gap * speed / (speed - along)
-        return Leader(user.id, front + shared, 0.0, brakes)
-    if _crosses(obstacle):
-        leaves = (user.body.length + limits.width) / across
-        if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
-            return None
-        return Leader(user.id, obstacle.start, 0.0, brakes)
-    return Leader(user.id, obstacle.start, max(along, 0.0), brakes)
+        return Leader(user.id, front + gap * speed / (speed - along), 0.0, brakes)
+    if not _crosses(obstacle):
+        return Leader(user.id, start, max(along, 0.0), brakes)
+    leaves = (user.body.length + limits.width) / abs(obstacle.across)
+    if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
+        return None
+    return Leader(user.id, start, 0.0, brakes)

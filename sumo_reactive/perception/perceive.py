@@ -19,13 +19,12 @@ from sumo_reactive.parameters import (
     ATTENTION_TIME_S,
     MEETING_FORESEEN_S,
     MEETING_STEP_S,
-    NEAR_M,
     PROJECTION_WINDOW_M,
     TURN_FORESEEN_S,
 )
 from sumo_reactive.perception.abreast import ahead_at_narrows, narrows_of
 from sumo_reactive.perception.attention import in_sight, lane_axis, lane_sought, place_beside
-from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes, touchable
+from sumo_reactive.perception.corridor import band_of, blocking_ones, near_boxes
 from sumo_reactive.perception.cuts import next_cut
 from sumo_reactive.perception.foes import foes_of
 from sumo_reactive.perception.foresee import places_after, turn_rate, way_left
@@ -36,7 +35,7 @@ from sumo_reactive.world.road_graph import RoadGraph
 
 Array = NDArray[np.float64]
 
-_NO_BOXES: Array = np.empty((0, 8))
+_NO_BOXES: Array = np.empty((0, 6))
 
 
 def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
@@ -63,7 +62,7 @@ def perceive(
     """
     s, d = locate(ego, plan, limits, s_before) if d_before is None else (s_before, d_before)
     front = s + limits.front_overhang
-    boxes = _boxes(traffic.users, graph, ego, limits)
+    boxes = _boxes(traffic.users)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
     foes = foes_of(traffic, plan, graph, sight) if looks_for_foes else ()
@@ -71,7 +70,7 @@ def perceive(
     cut = None if sought else next_cut(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought
     neighbours = tuple(_neighbours(traffic.users, beside, plan, graph, ego, front, limits)) if beside else ()
-    near = near_boxes(boxes, ego.pose.x, ego.pose.y, NEAR_M)
+    near = _near(traffic.users, boxes, graph, ego, limits)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = (obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed))
@@ -83,22 +82,31 @@ def perceive(
     return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
 
 
-def _boxes(users: tuple[RoadUser, ...], graph: RoadGraph, ego: VehicleState, limits: VehicleLimits) -> Array:
-    """Return the boxes (n, 8) of `users`; who cannot be touched within the foreseen time has no turn rate, and no end."""
+def _boxes(users: tuple[RoadUser, ...]) -> Array:
+    """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
     if not users:
         return _NO_BOXES
     flat: list[float] = []
     for user in users:
         body = user.body
-        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width, 0.0, math.inf)
+        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width)
     packed = bytearray(8 * len(flat))
     pack_into(f"{len(flat)}d", packed, 0, *flat)
-    boxes = np.frombuffer(packed).reshape(-1, 8)
+    return np.frombuffer(packed).reshape(-1, 6)
+
+
+def _near(
+    users: tuple[RoadUser, ...], boxes: Array, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
+) -> Array:
+    """Return the boxes (m, 8) of those of `users` who are near; who cannot be touched within the foreseen time has no turn
+    rate, and no end of his way."""
     pose = ego.pose
-    for k in touchable(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length).tolist():
-        if not users[k].body.is_person:
-            boxes[k, 6], boxes[k, 7] = turn_rate(graph, users[k], TURN_FORESEEN_S), way_left(graph, users[k])
-    return boxes
+    near, touchable = near_boxes(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length)
+    for row, k in touchable.tolist():
+        user = users[k]
+        if not user.body.is_person:
+            near[row, 6], near[row, 7] = turn_rate(graph, user, TURN_FORESEEN_S), way_left(graph, user)
+    return near
 
 
 def _on_path(
@@ -123,7 +131,7 @@ def _passes_by(
     Who comes towards the ego at first may be in its corridor nearer to it then, but out of it before it comes there.
     """
     user, time = obstacle.user, time_to_meet(obstacle, front, speed)
-    if user.body.is_person:
+    if time > MEETING_FORESEEN_S or user.body.is_person:
         return False
     curve, behind = plan.curve, max(front - limits.length, 0.0)
     band, own = band_of(curve, limits), speed + FASTER

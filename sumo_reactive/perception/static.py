@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_left
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -43,14 +45,14 @@ def static_within(
 
 
 @lru_cache(maxsize=PLANS_KEPT)
-def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[list[float], Array]:
+def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Sequence[float], Array]:
     """Return the border points along C: arc lengths (n), ascending, and place (n, 2), m. Junctions have none."""
     parts = [_of_segment(graph, g, vehicle_class) for g in plan.segments if not graph.lanes[g.lane_id].is_internal]
     if not parts:
         return [], NO_POINTS
     arcs, points = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.argsort(arcs, kind="stable")
-    return arcs[order].tolist(), points[order]
+    return array("d", arcs[order]), points[order]
 
 
 def _of_segment(graph: RoadGraph, segment: LaneSegment, vehicle_class: str) -> tuple[Array, Array]:

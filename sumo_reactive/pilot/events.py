@@ -89,6 +89,8 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> Iter
     speeds, trusted = _speeds(snapshot), premises.speeds
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
+        if speed == foreseen:
+            continue
         if foreseen is None:
             yield Event(EventKind.NEW_OBSTACLE, user_id)
         elif speed < foreseen and user_id not in premises.heeded:

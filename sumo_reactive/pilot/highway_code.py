@@ -49,14 +49,16 @@ def ask(
     stops = [(stop, decision_of(stop)) for stop in (scheduled, changing.stop) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
     foes, found = crossing.without_queues(snapshot.foes), list[Rules]()
+    shown = next((way.number for way, (_, _, conflicts) in zip(ways, ahead, strict=True) if conflicts), None)
     for way, (_, _, conflicts) in zip(reversed(ways), reversed(ahead), strict=True):
         places = [*queue, *(stop.s for stop, _ in stops)]
         behind = min((place for place in places if place > way.passage.end), default=math.inf)
-        rules, memory = _passage(way._replace(stop=behind), conflicts, foes, snapshot, memory, limits)
+        way = way._replace(stop=behind)
+        rules, memory = _passage(way, conflicts, foes, snapshot, memory, limits, is_shown=way.number == shown)
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
     passes = tuple(decision for rules in found for decision in rules.passes)
-    regions = next((rules.regions for rules in found if rules.regions), ())
+    regions = tuple(state for rules in found for state in rules.regions)
     judged = frozenset[str]().union(*(rules.judged for rules in found))
     return Rules(tuple(stops), passes, regions, judged), memory
 
@@ -68,8 +70,10 @@ def _passage(
     snapshot: Snapshot,
     memory: PilotMemory,
     limits: VehicleLimits,
+    *,
+    is_shown: bool,
 ) -> tuple[Rules, PilotMemory]:
-    """Return what one passage asks for."""
+    """Return what one passage asks for, with the states of its regions if they are to be shown."""
     at_line, late, memory = cautious.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
     found = list(crossing.judgements(way, foes, snapshot, memory, limits))
@@ -84,7 +88,7 @@ def _passage(
         stop = StopAt(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
         stops.append((stop, decision_of(stop)))
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
-    states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found])
+    states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found]) if is_shown else ()
     judged = frozenset(judgement.foe.user.id for judgement, _ in found)
     return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged), memory
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 from sumo_reactive.messages.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.messages.snapshot import Conflict, Snapshot
-from sumo_reactive.parameters import REGION_MARGIN_M, WAIT_SHIFT_M
+from sumo_reactive.parameters import PLANS_KEPT, REGION_MARGIN_M, WAIT_SHIFT_M
 from sumo_reactive.world.junction import Connection
 
 Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
@@ -50,10 +51,16 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
         first = max(0, int(max(passage.start - connection.hold_back, snapshot.s) / plan.curve.step))
         last = max(first + 1, int(passage.end / plan.curve.step) + 1)
-        pace = float(plan.speed_limits[first:last].min()) if first < len(plan.speed_limits) else connection.speed_limit
+        pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
         wait_at = _place_inside(connection, conflicts)
         yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
+
+
+@lru_cache(maxsize=PLANS_KEPT)
+def _pace(plan: NominalPlan, first: int, last: int) -> float:
+    """Return the lowest speed limit of the samples `first` to `last` of C, m/s."""
+    return float(plan.speed_limits[first:last].min())
 
 
 def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:

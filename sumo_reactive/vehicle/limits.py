@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
+
+from sumo_reactive.parameters import PLANNED_DECELERATION
 
 
 @dataclass(frozen=True)
@@ -39,17 +42,22 @@ class VehicleLimits:
         if not (self.front_overhang >= 0.0 and self.rear_overhang >= 0.0):
             raise ValueError("wheelbase and front overhang do not fit the vehicle's length")
 
-    @property
+    @cached_property
     def rear_overhang(self) -> float:
         """From the rear bumper to the rear axle, m."""
         return self.length - self.wheelbase - self.front_overhang
 
-    @property
+    @cached_property
     def front_to_rear_axle(self) -> float:
         """From the rear axle to the front bumper, m."""
         return self.wheelbase + self.front_overhang
 
-    @property
+    @cached_property
+    def planned_deceleration(self) -> float:
+        """The hardest braking that is no emergency, m/s²."""
+        return min(PLANNED_DECELERATION, self.service_deceleration)
+
+    @cached_property
     def max_curvature(self) -> float:
         """Largest curvature that the front axle can follow for ever: sin φmax / L ≤ tan φmax / L, 1/m."""
         return math.sin(self.max_steering_angle) / self.wheelbase

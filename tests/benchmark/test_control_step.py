@@ -6,7 +6,7 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, Situation, before
 
-from sumo_reactive.controller import Controller, Drive
+from sumo_reactive.controller import Controller, Drive, passages_ahead
 from sumo_reactive.executor.executor import execute
 from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.messages.traffic import RoadUser, Traffic
@@ -71,7 +71,7 @@ def test_perceiving(benchmark, controller, traffic, drive):
 
 def test_deciding(benchmark, controller, traffic, drive):
     snapshot = controller.step(traffic, drive, PERIOD).snapshot
-    ahead = controller._ahead(snapshot, drive.plan)
+    ahead = passages_ahead(controller.graph, drive.plan, snapshot.passages)
     view = outlook(traffic, snapshot, drive.plan, controller.graph, CAR)
     event = (Event(EventKind.NEW_PLAN),)
     completed, _ = benchmark(decide, snapshot, drive.plan, ahead, view, event, drive.memory, CAR, Style())
@@ -80,7 +80,7 @@ def test_deciding(benchmark, controller, traffic, drive):
 
 def test_detecting_events(benchmark, controller, traffic, drive):
     step = controller.step(traffic, drive, PERIOD)
-    ahead, after = controller._ahead(step.snapshot, drive.plan), step.drive
+    ahead, after = passages_ahead(controller.graph, drive.plan, step.snapshot.passages), step.drive
     found = benchmark(detect, step.snapshot, drive.plan, ahead, after.completed, after.memory, False)
     assert not found
 
