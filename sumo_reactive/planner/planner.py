@@ -133,7 +133,7 @@ def _reference(
         following = choice.graph.lanes[connection.to_lane]
         index = _index_behind(route, following.edge_id, start.route_index)
         at = _axle_on(connection.path, _part_start(choice.graph, lane.id), limits, start)
-        reference.pass_junction(connection, start.route_index, at)
+        reference.pass_junction(connection, start.route_index, at, at)
         _drive_on(reference, choice, choice.stage_at(index), following, 0.0, 0.0)
         return reference, None
     if route.edges[start.route_index] != lane.edge_id:
@@ -148,12 +148,11 @@ def _reference(
 def _drive_on(reference: Reference, choice: LaneChoice, number: int, lane: Lane, at: float, position: float) -> None:
     """Append the way from spine arc length `at` of `lane` in stage `number` to the goal or the horizon."""
     for step in lane_path(choice, number, lane.index, position):
-        reference.drive(step, at)
-        at = 0.0
+        joins, at = reference.drive(step, at), 0.0
         if reference.length > PLAN_HORIZON_M:
             return
         if step.connection is not None:
-            reference.pass_junction(step.connection, step.stage.route_index)
+            at = reference.pass_junction(step.connection, step.stage.route_index, joins)
         elif step.stage is choice.stages[-1]:
             last = step.lanes[-1]
             reference.finish(last, min(step.stage.end * last.scale, last.spine.length))

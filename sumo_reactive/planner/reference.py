@@ -9,6 +9,7 @@ import numpy as np
 from sumo_reactive.geometry.polyline import Points, Polyline, cut, eased
 from sumo_reactive.parameters import CURVE_RUNOUT_M, CURVE_STEP_M, LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
 from sumo_reactive.planner.lane_path import LaneStep
+from sumo_reactive.planner.overrun import overrun_of
 from sumo_reactive.world.junction import Connection
 from sumo_reactive.world.lane import Lane
 from sumo_reactive.world.road_graph import RoadGraph
@@ -62,21 +63,26 @@ class Reference:
         if end > start:
             self._append(cut(lane.spine, start, end))
 
-    def pass_junction(self, connection: Connection, route_index: int, start: float = 0.0) -> None:
-        """Append a connection's internal lanes, from arc length `start` (m) of its path on."""
-        began = self.length - start
+    def pass_junction(
+        self, connection: Connection, route_index: int, start: float = 0.0, driven: float = 0.0
+    ) -> float:
+        """Append a connection's internal lanes, from arc length `start` (m) of its path on; return where the line goes on on
+        the lane behind them, m. The car has `driven` so many metres of the path already."""
+        began = self.length - driven
         before = 0.0
         for part in connection.parts:
             lane = self.graph.lanes[part]
             if start < before + lane.spine.length:
                 self.follow(lane, route_index, start if before == 0.0 else max(start - before, 0.0), lane.spine.length)
             before += lane.spine.length
-        if not connection.parts:
-            self._append(connection.path.points)
+        if not connection.parts and start < connection.path.length:
+            self._append(cut(connection.path, start, connection.path.length))
         self.passages.append((connection, began, self.length))
+        return max(start - connection.path.length, 0.0)
 
-    def drive(self, step: LaneStep, start: float) -> None:
-        """Append a lane step from spine arc length `start` of its first lane, with its lane changes."""
+    def drive(self, step: LaneStep, start: float) -> float:
+        """Append a lane step from spine arc length `start` of its first lane, with its lane changes; return from which arc
+        length on the line then follows the path of its connection, m."""
         self.stage_starts.append(self.length)
         lane, at = step.lanes[0], start
         end = _end_on(lane, step)
@@ -84,10 +90,15 @@ class Reference:
             left = len(step.lanes) - 1 - number
             at = self._change(step, lane, following, at, min(end, _beside(lane, following)), left)
             lane, end = following, _end_on(following, step)
+        overrun = None if step.connection is None else overrun_of(self.graph, step.connection.id)
+        if overrun is not None and at < overrun.leaves:
+            self.follow(lane, step.stage.route_index, at, overrun.leaves)
+            return overrun.joins
         self.follow(lane, step.stage.route_index, at, end)
         place = self.length + (step.stage.end * lane.scale - max(at, end))
         if step.stage.stop is not None:
             self.stops.append((step.stage.stop, place))
+        return 0.0
 
     def finish(self, lane: Lane, arrival: float) -> None:
         """Set the goal at spine arc length `arrival` of the last `lane` and run out behind it."""

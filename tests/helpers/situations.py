@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from helpers.cars import BODY, CAR
-from sumo_reactive.controller import Controller, Drive, Profile, Step
+from sumo_reactive.controller import Controller, Drive, Profile, Step, passages_ahead
 from sumo_reactive.messages.decision import Instruction, StopAt
 from sumo_reactive.messages.event import Event
 from sumo_reactive.messages.forecast import Outlook
@@ -131,7 +131,7 @@ class Situation:
     ) -> pilot.Situation:
         """Return what the behaviours look at; `stop`: where the highway code makes the ego stop."""
         snapshot, view = self.seen(*users, lights=lights), self.outlook(*users, sight=sight)
-        ahead = Controller(self.graph, CAR)._ahead(snapshot, self.plan)
+        ahead = passages_ahead(self.graph, self.plan, snapshot.passages)
         ways = tuple(crossings(snapshot, self.plan, ahead))
         assessment = assess(snapshot, view.forecast, self.plan, stop, None, CAR, ())
         x = pilot.next_on_way(snapshot)

@@ -59,6 +59,16 @@ def test_a_van_turns_round_at_a_dead_end_with_another_behind_it(tmp_path, left_h
     assert all(moment.lane for moment in run.ego.moments)
 
 
+@pytest.mark.parametrize("beyond", [4, 8])
+def test_a_lane_that_ends_beyond_the_start_of_the_next_one_is_left_where_that_begins(tmp_path, beyond):
+    box = f"{100 + beyond},-2 {104 + beyond},-2 {104 + beyond},2 {100 + beyond},2"
+    nodes = node("a", 0, 0) + node("b", 100, 0, shape=box) + node("c", 100, -100)
+    net = Net(nodes, edge("ab", shape=f"0,0 {103 + beyond},0") + edge("bc", shape="100,-4 100,-100"))
+    run = driven(tmp_path, net, car("ego", "ab bc", 2), car("x", "ab bc"), car("y", "ab bc", 5))
+    assert run.complaints() == []
+    assert max(moment.x for moment in run.ego.moments) < 102.5
+
+
 @pytest.mark.parametrize("level", ["wbe", "snx"])
 def test_a_bridge_is_no_crossing(tmp_path, level):
     nodes = node("w", -100, 0, z=6) + node("e", 100, 0, z=6) + node("s", 0, -100, z=0) + node("n", 0, 100, z=0)

@@ -4,7 +4,7 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, before
 
-from sumo_reactive.controller import Controller, Profile
+from sumo_reactive.controller import Controller, Profile, passages_ahead
 from sumo_reactive.messages.decision import Reason
 from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.parameters import DELAY_STEP_S, NO_PROGRESS_S, OFF_NOMINAL_SPEED, TIME_TOLERANCE_S
@@ -34,7 +34,7 @@ def events_after(ego, first, users=(), lights=None, time=NEXT, **memory) -> tupl
     drive = first.drive
     changed = drive.memory._replace(**memory)
     snapshot = ego.seen(*users, lights=lights)._replace(time=time)
-    ahead = Controller(ego.graph, CAR)._ahead(snapshot, ego.plan)
+    ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
     return detect(snapshot, ego.plan, ahead, drive.completed, notice(snapshot, changed), no_command=False)
 
 
@@ -69,7 +69,7 @@ def test_a_new_nominal_plan_is_an_event(alone):
     first = alone.step()
     assert kinds([first]) == [EventKind.NEW_PLAN]
     other = before("multi_lane_road", ROAD, 380.0, 15.0)
-    ahead = Controller(alone.graph, CAR)._ahead(first.snapshot, other.plan)
+    ahead = passages_ahead(alone.graph, other.plan, first.snapshot.passages)
     found = detect(first.snapshot, other.plan, ahead, first.completed, first.drive.memory, no_command=False)
     assert found == (Event(EventKind.NEW_PLAN),)
 
@@ -163,7 +163,7 @@ def test_a_delay_is_an_event_each_time_that_it_has_grown_by_the_step(alone):
 
 def test_the_executors_feedback_that_no_command_was_admissible_is_an_event(alone):
     first = alone.step()
-    ahead = Controller(alone.graph, CAR)._ahead(first.snapshot, alone.plan)
+    ahead = passages_ahead(alone.graph, alone.plan, first.snapshot.passages)
     found = detect(first.snapshot, alone.plan, ahead, first.completed, first.drive.memory, no_command=True)
     assert found == (Event(EventKind.NO_COMMAND),)
 

@@ -1,12 +1,12 @@
 """The dimensions and limits of a car: valid at birth, and what follows from them."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 from helpers.cars import CAR
 
-POSITIVE = [name for name in vars(CAR) if name != "front_overhang"]
+POSITIVE = [field.name for field in fields(CAR) if field.name != "front_overhang"]
 
 
 @pytest.mark.parametrize("name", POSITIVE)
