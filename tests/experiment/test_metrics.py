@@ -212,6 +212,16 @@ def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_th
     assert len(jury.violations) == violations
 
 
+@pytest.mark.parametrize(("position", "speed", "violations"), [(2.0, 13.9, 0), (2.0, 12.0, 1), (25.0, 13.9, 1)])
+def test_who_comes_onto_a_slower_road_brakes_for_that(position, speed, violations):
+    jury = Jury(5.0, 1.8, 3.0, _crossing())
+    one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=position, route=("snin", "snout"))
+    for k in range(20):
+        now = speed + 0.4 * max(10 - k, 0)  # −4 m/s² for a second
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=now),)))
+    assert len(jury.violations) == violations
+
+
 @pytest.mark.parametrize(("dip", "violations"), [(0.45, 0), (2.0, 1)])
 def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(dip, violations):
     jury = Jury(5.0, 1.8, 3.0, _crossing())

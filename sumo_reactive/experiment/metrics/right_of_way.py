@@ -32,6 +32,12 @@ GOES_ON_BRAKING = -1.5
 FOLLOWS_BRAKING = 2.0
 """…unless it takes this (m/s²) to stay behind the ego as it leaves."""
 
+ROAD_BEGINS_M = 10.0
+"""Who has driven no farther on his road, and is no slower there than it allows by…"""
+
+AS_FAST = 0.95
+"""…this share, brakes for its speed limit."""
+
 NEAR_MISS_S = 1.0
 """A time to collision below this counts as nearly touching."""
 
@@ -63,7 +69,8 @@ class RightOfWay:
     is before or in the region, inside the junction, or, where no light rules (a light's letter may be why it brakes),
     within 50 m of its stop line on the way to that connection; it moves; and it brakes harder than 3 m/s², on average
     over half a second, or the time to collision with the ego is below 1 s. Who only brakes, and brakes on when the ego is
-    gone, though not to stay behind it, has another reason: a line, a queue, a bend.
+    gone, though not to stay behind it, has another reason: a line, a queue, a bend. So has who comes onto a slower road and
+    drives as fast as it allows.
     """
 
     def __init__(self, graph: RoadGraph | None) -> None:
@@ -99,6 +106,7 @@ class RightOfWay:
             return
         for user, time in zip(moment.users, moment.times_to_collision, strict=True):
             brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
+            brakes = brakes and not _comes_onto_slower_road(self._graph, user)
             suffers = brakes or time < NEAR_MISS_S
             if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
                 self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
@@ -149,6 +157,12 @@ class RightOfWay:
                 else:
                     self._suspicions[user.id] = _Suspicion(violation, region.polygon)
                 return
+
+
+def _comes_onto_slower_road(graph: RoadGraph, user: RoadUser) -> bool:
+    """Whether a user who brakes has just come onto his road, and drives as fast as it allows."""
+    lane = graph.lanes.get(user.lane_id)
+    return lane is not None and user.lane_position < ROAD_BEGINS_M and user.speed >= AS_FAST * lane.speed_limit
 
 
 def _braking_behind(moment: Moment, user: RoadUser) -> float:
