@@ -189,7 +189,7 @@ def _braking_in_bend(snapshot: Snapshot, completed: CompletedPlan, limits: Vehic
     """Return the deceleration (m/s²), `least` or harder, with which the ego is carried off C no farther than BEND_ROOM_M or
     than it is; the emergency's where none is enough."""
     curve, ego, planned = completed.plan.curve, snapshot.ego, limits.planned_deceleration
-    error = wrapped(ego.pose.heading + ego.steering_angle - curve.at(snapshot.s)[2])
+    error = wrapped(ego.pose.heading + ego.steering_angle - curve.heading_at(snapshot.s))
     lateral = BEND_SHARE * limits.max_lateral_acceleration
     held = max(BEND_ROOM_M, abs(snapshot.d) + SLIGHTLY_M[ego.acceleration < -planned - HARDER_BY])
     for rate in (least, 0.5 * (least + limits.emergency_deceleration)):
@@ -244,7 +244,7 @@ def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, limits:
     ego = snapshot.ego
     turn = ego.speed * math.sin(ego.steering_angle) / limits.wheelbase * period
     ahead = snapshot.s + 0.5 * ego.speed * period
-    along = completed.plan.curve.at(ahead)[2] - ego.pose.heading - 0.5 * turn
+    along = completed.plan.curve.heading_at(ahead) - ego.pose.heading - 0.5 * turn
     back = math.atan2(STEERING_GAIN * snapshot.d, ego.speed + 1.0)
     return (wrapped(along - back) - ego.steering_angle) / period
 
@@ -326,10 +326,14 @@ def _choose(
     """Return the command's index, the verdict on it, its potentials and the state that it leads to."""
     ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
     p = ego.pose
-    state = np.array((p.x, p.y, p.heading, ego.speed, ego.steering_angle))
     lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
-    bounds = np.array(
+    car = np.array(
         (
+            p.x,
+            p.y,
+            p.heading,
+            ego.speed,
+            ego.steering_angle,
             limits.wheelbase,
             limits.front_to_rear_axle,
             limits.length,
@@ -339,11 +343,14 @@ def _choose(
             limits.max_lateral_acceleration,
             limits.emergency_deceleration,
             lateral,
+            w.valley,
+            w.shadow,
+            w.velocity,
         )
     )
     index, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
-        state, grid.accelerations, grid.steering_rates, bounds, period, room, *aims,
-        np.array((w.valley, w.shadow, w.velocity)), curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
+        car, grid.accelerations, grid.steering_rates, period, room, *aims,
+        curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
         valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes,
     )  # fmt: skip
     potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)

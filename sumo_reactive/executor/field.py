@@ -154,8 +154,8 @@ def valley_of_command(
 
 @kernel
 def choose_command(
-    state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float,
-    wanted: float, lowest: float, weights: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    car: Array, accelerations: Array, rates: Array, period: float, room: float, wanted: float, lowest: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
     bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array,
 ) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
@@ -164,11 +164,13 @@ def choose_command(
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
     touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
     other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
-    keeps the limits. `boxes` (n, 8) cast U₂ and are tested for contact.
+    keeps the limits. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8) cast U₂
+    and are tested for contact.
 
     No term is negative, so U₁ and U₂ are due only for what would win without them: of each command U grows term by term
     until the least one is whole.
     """
+    state, limits, weights = car[:5], car[5:14], car[14:]
     n = len(accelerations) * len(rates)
     ahead = np.empty((n, 4))
     expand(state, accelerations, rates, limits, period, room, ahead)

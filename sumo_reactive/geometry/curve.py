@@ -50,6 +50,13 @@ class Curve:
             heading + f * (self.heading.item(i + 1) - heading),
         )
 
+    def heading_at(self, s: float) -> float:
+        """Return the heading at arc length `s`, interpolated, clamped to the ends, rad."""
+        u = min(max(s / self.step, 0.0), len(self.heading) - 1.0)
+        i = min(int(u), len(self.heading) - 2)
+        heading = self.heading.item(i)
+        return heading + (u - i) * (self.heading.item(i + 1) - heading)
+
 
 @kernel
 def project_on_curve(

@@ -73,7 +73,7 @@ def perceive(
     near = _near(traffic.users, boxes, graph, ego, limits)
     static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
     narrows = narrows_of(plan, graph, limits)
-    met = (obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed))
+    met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
     behind = tuple(leaders(met, front, ego.speed, limits))
     if narrows:
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
