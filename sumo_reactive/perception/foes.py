@@ -9,6 +9,7 @@ from functools import lru_cache
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Conflict, Foe
 from sumo_reactive.messages.traffic import RoadUser, Traffic
+from sumo_reactive.parameters import PLANS_KEPT
 from sumo_reactive.perception.attention import watches_of
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -23,7 +24,7 @@ def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[
     """Return who can reach a region of the plan's passages in `sight`, once for each region."""
     if not sight:
         return ()
-    meanings = _meanings(graph, tuple((i, plan.passages[i].connection_id) for i in sight))
+    meanings = _meanings(graph, plan, sight)
     users = (*traffic.users, *traffic.beside) if traffic.beside else traffic.users
     return tuple(_found(users, meanings))
 
@@ -51,12 +52,12 @@ def _found(users: tuple[RoadUser, ...], meanings: Mapping[str, tuple[_Meaning, .
     return found
 
 
-@lru_cache(maxsize=4096)
-def _meanings(graph: RoadGraph, passages: tuple[tuple[int, str], ...]) -> Mapping[str, tuple[_Meaning, ...]]:
-    """Return, by lane id, what a user on that lane may mean for the passages (index in the plan, connection)."""
+@lru_cache(maxsize=PLANS_KEPT)
+def _meanings(graph: RoadGraph, plan: NominalPlan, sight: tuple[int, ...]) -> Mapping[str, tuple[_Meaning, ...]]:
+    """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
     table: dict[str, list[_Meaning]] = {}
-    for i, connection_id in passages:
-        for lane_id, watches in watches_of(graph, connection_id).items():
+    for i in sight:
+        for lane_id, watches in watches_of(graph, plan.passages[i].connection_id).items():
             table.setdefault(lane_id, []).extend((i, *watch) for watch in watches)
     return {lane_id: tuple(meanings) for lane_id, meanings in table.items()}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from sumo_reactive.messages.snapshot import Leader, PathObstacle
 from sumo_reactive.parameters import CROSSER_MARGIN_S, STANDING_SPEED
@@ -13,12 +13,10 @@ FASTER = 2.0
 """m/s; the ego may speed up by so much until it meets somebody."""
 
 
-def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> Iterator[Leader]:
-    """Yield a leader for each body in the corridor that will not be gone; ego's bumper at `front` m of C, `speed` m/s."""
-    for obstacle in on_path:
-        leader = _leader(obstacle, front, speed, limits)
-        if leader is not None:
-            yield leader
+def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> list[Leader]:
+    """Return a leader for each body in the corridor that will not be gone; ego's bumper at `front` m of C, `speed` m/s."""
+    found = [_leader(obstacle, front, speed, limits) for obstacle in on_path]
+    return [leader for leader in found if leader is not None]
 
 
 def time_to_meet(obstacle: PathObstacle, front: float, speed: float) -> float:

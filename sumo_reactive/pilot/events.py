@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from sumo_reactive.messages.completed_plan import CompletedPlan
 from sumo_reactive.messages.decision import Instruction, StopAt
@@ -42,7 +42,8 @@ def detect(
     if held is None or premises is None or premises.plan is not plan:
         new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
         return (Event(EventKind.NEW_PLAN), *new_route)
-    found = [*_others(snapshot, held, premises), *_own(snapshot, plan, ahead, premises)]
+    found = _others(snapshot, held, premises)
+    found += _own(snapshot, plan, ahead, premises)
     found += _times(snapshot, held, memory, premises)
     if no_command:
         found.append(Event(EventKind.NO_COMMAND))
@@ -79,26 +80,29 @@ def premises_of(
     )
 
 
-def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> Iterator[Event]:
-    """Yield what the others and the lights have changed."""
+def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list[Event]:
+    """Return what the others and the lights have changed."""
+    found: list[Event] = []
+    known = premises.lights
     for light, letters in snapshot.lights.items():
-        if premises.lights.get(light) != letters:
-            yield Event(EventKind.LIGHT_CHANGE, light)
+        if known.get(light) != letters:
+            found.append(Event(EventKind.LIGHT_CHANGE, light))
     if premises.is_settled:
-        return
+        return found
     speeds, trusted = _speeds(snapshot), premises.speeds
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
         if speed == foreseen:
             continue
         if foreseen is None:
-            yield Event(EventKind.NEW_OBSTACLE, user_id)
+            found.append(Event(EventKind.NEW_OBSTACLE, user_id))
         elif speed < foreseen and user_id not in premises.heeded:
             continue  # who did not matter does not when he slows down
         elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
-            yield Event(EventKind.OTHER_BEHAVIOUR, user_id)
+            found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
     if held.stop is not None and _is_gone(held.stop, snapshot, premises, speeds):
-        yield Event(EventKind.CAUSE_VANISHED, held.stop.cause)
+        found.append(Event(EventKind.CAUSE_VANISHED, held.stop.cause))
+    return found
 
 
 def _is_gone(stop: StopAt, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
@@ -113,47 +117,58 @@ def _is_threat(stop: StopAt, snapshot: Snapshot) -> bool:
     return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
 
 
-def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> Iterator[Event]:
-    """Yield what the ego itself has come to."""
+def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> list[Event]:
+    """Return what the ego itself has come to."""
+    found: list[Event] = []
     if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
-        yield Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), ""))
+        found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
     if not premises.is_seeking and seeks(snapshot, plan):
-        yield Event(EventKind.LANE_CHANGE)
+        found.append(Event(EventKind.LANE_CHANGE))
     if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
-        yield Event(EventKind.STANDSTILL)
+        found.append(Event(EventKind.STANDSTILL))
     if not premises.is_off_nominal and _is_off_nominal(snapshot, plan):
-        yield Event(EventKind.OFF_NOMINAL)
+        found.append(Event(EventKind.OFF_NOMINAL))
+    return found
 
 
-def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> Iterator[Event]:
-    """Yield what is due: times that the plan or an instruction named, delays, want of progress."""
+def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:
+    """Return what is due: times that the plan or an instruction named, delays, want of progress."""
+    found: list[Event] = []
     now = snapshot.time
     if now >= premises.trusted_until - 1e-6:
-        yield Event(EventKind.FORECAST_EXPIRED)
+        found.append(Event(EventKind.FORECAST_EXPIRED))
     if memory.serving_until is not None and now >= memory.serving_until:
-        yield Event(EventKind.TIME_REACHED)
+        found.append(Event(EventKind.TIME_REACHED))
     if not premises.is_settled:
-        yield from _late(snapshot, held, memory)
+        found += _late(snapshot, held, memory)
     if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
-        yield Event(EventKind.NO_PROGRESS)
+        found.append(Event(EventKind.NO_PROGRESS))
     if held.move is not None and held.move.is_over(snapshot.ego):
-        yield Event(EventKind.MOVE_ENDED)
+        found.append(Event(EventKind.MOVE_ENDED))
     if memory.escapes == 0 and held.instruction is Instruction.WIDEN:
-        yield Event(EventKind.PROGRESS)
+        found.append(Event(EventKind.PROGRESS))
+    return found
 
 
-def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> Iterator[Event]:
-    """Yield what a delay has changed: the next time constraint, and whether it has become excessive."""
-    target = next((c for c in held.time_constraints if c.s > snapshot.front), None)
-    if target is not None and snapshot.time > target.time + TIME_TOLERANCE_S:
-        yield Event(EventKind.CONSTRAINT_MISSED)
+def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[Event]:
+    """Return what a delay has changed: the next time constraint, and whether it has become excessive."""
+    found: list[Event] = []
+    front = snapshot.front
+    for target in held.time_constraints:
+        if target.s > front:
+            if snapshot.time > target.time + TIME_TOLERANCE_S:
+                found.append(Event(EventKind.CONSTRAINT_MISSED))
+            break
     if held.plan.delay(snapshot.s, snapshot.time) > memory.delay + DELAY_STEP_S:
-        yield Event(EventKind.DELAY)
+        found.append(Event(EventKind.DELAY))
+    return found
 
 
 def _speeds(snapshot: Snapshot) -> dict[str, float]:
-    users = [obstacle.user for obstacle in snapshot.on_path] + [foe.user for foe in snapshot.foes]
-    return {user.id: user.speed for user in users}
+    speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
+    for foe in snapshot.foes:
+        speeds[foe.user.id] = foe.user.speed
+    return speeds
 
 
 def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:

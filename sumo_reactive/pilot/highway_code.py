@@ -48,7 +48,8 @@ def ask(
     scheduled, memory = stopping.serve(snapshot, plan, memory)
     stops = [(stop, decision_of(stop)) for stop in (scheduled, changing.stop) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
-    foes, found = crossing.without_queues(snapshot.foes), list[Rules]()
+    foes = crossing.without_queues(snapshot.foes)
+    found: list[Rules] = []
     shown = next((way.number for way, (_, _, conflicts) in zip(ways, ahead, strict=True) if conflicts), None)
     for way, (_, _, conflicts) in zip(reversed(ways), reversed(ahead), strict=True):
         places = [*queue, *(stop.s for stop, _ in stops)]
@@ -59,7 +60,7 @@ def ask(
         found.insert(0, rules)
     passes = tuple(decision for rules in found for decision in rules.passes)
     regions = tuple(state for rules in found for state in rules.regions)
-    judged = frozenset[str]().union(*(rules.judged for rules in found))
+    judged = frozenset(user_id for rules in found for user_id in rules.judged)
     return Rules(tuple(stops), passes, regions, judged), memory
 
 
