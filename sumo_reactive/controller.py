@@ -11,6 +11,7 @@ from typing import NamedTuple
 from sumo_reactive.executor.executor import Execution, execute
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map
 from sumo_reactive.messages.completed_plan import CompletedPlan, Replanning
+from sumo_reactive.messages.event import EventKind
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
@@ -24,7 +25,7 @@ from sumo_reactive.perception.static import static_within
 from sumo_reactive.pilot.events import detect
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Ahead
-from sumo_reactive.pilot.pilot import Style, decide, notice
+from sumo_reactive.pilot.pilot import Style, confirm, decide, notice
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.time_constraints import retimed
 from sumo_reactive.vehicle.bicycle import advance
@@ -129,6 +130,10 @@ class Controller:
             return snapshot, drive.completed, memory
         if not has_foes:
             snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
+        if drive.completed is not None and all(event.kind is EventKind.FORECAST_EXPIRED for event in events):
+            confirmed = confirm(snapshot, ahead, drive.completed, memory, self.limits)
+            if confirmed is not None:
+                return snapshot, drive.completed, confirmed
         view = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
         completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)

@@ -23,6 +23,7 @@ from sumo_reactive.parameters import (
     TRUST_AHEAD_S,
     TRUST_S,
 )
+from sumo_reactive.pilot.highway_code import Rules
 from sumo_reactive.pilot.lane_changing import seeks
 from sumo_reactive.pilot.memory import PilotMemory, Premises
 from sumo_reactive.pilot.passages import Ahead
@@ -51,9 +52,9 @@ def detect(
 
 
 def premises_of(
-    snapshot: Snapshot, made: CompletedPlan, ahead: Ahead, judged: frozenset[str], *, is_watchful: bool, is_settled: bool
+    snapshot: Snapshot, made: CompletedPlan, ahead: Ahead, rules: Rules, *, is_watchful: bool, is_settled: bool
 ) -> Premises:
-    """Return what the decision `made` now rests on; `judged`: the ids of the foes who mattered to it.
+    """Return what the decision `made` now rests on; `rules`: what the highway code asked for.
 
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
@@ -68,14 +69,16 @@ def premises_of(
         time=snapshot.time,
         lights=snapshot.lights,
         speeds=_speeds(snapshot),
-        heeded=judged.union(obstacle.user.id for obstacle in snapshot.on_path),
+        heeded=rules.judged.union(obstacle.user.id for obstacle in snapshot.on_path),
         is_threatened=made.stop is not None and _is_threat(made.stop, snapshot),
         regions=regions,
         stages=stages,
         is_standing=snapshot.ego.speed < STANDING_SPEED,
         is_off_nominal=_is_off_nominal(snapshot, plan),
         is_seeking=is_seeking,
+        is_watchful=is_watchful,
         is_settled=is_settled,
+        asked=rules.gist,
         trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from typing import NamedTuple
 
 from sumo_reactive.messages.decision import Behaviour, Decision, Occupancy, Reason, RegionState, StopAt
@@ -30,6 +31,12 @@ class Rules(NamedTuple):
     passes: tuple[Decision, ...]
     regions: tuple[RegionState, ...]
     judged: frozenset[str]
+
+    @property
+    def gist(self) -> Hashable:
+        """Where to stop and why, whom to go before or after: the same as long as the ego has the same to do."""
+        passed = ((decision.reason, decision.region, decision.cause) for decision in self.passes)
+        return tuple(stop for stop, _ in self.stops), frozenset(passed)
 
 
 def ask(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from typing import NamedTuple
 
 from sumo_reactive.messages.decision import Behaviour, Instruction
@@ -17,9 +17,9 @@ class Premises(NamedTuple):
     `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `heeded`: ids of those whose
     motion it took into account. `is_threatened`: whether it stopped for a foe, at the region that he could reach.
     `regions`: ids of those that somebody could reach. `stages`: how far the ego had come in each passage in sight, and how
-    many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_settled`: it
-    rests on none of the others, for a light or a time decides. `trusted_until` (s): how long the forecast of the others
-    holds.
+    many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_watchful`: it rests on
+    the others' motion from moment to moment. `is_settled`: it rests on none of the others, for a light or a time decides.
+    `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast of the others holds.
     """
 
     plan: NominalPlan
@@ -33,7 +33,9 @@ class Premises(NamedTuple):
     is_standing: bool
     is_off_nominal: bool
     is_seeking: bool
+    is_watchful: bool
     is_settled: bool
+    asked: Hashable
     trusted_until: float
 
 

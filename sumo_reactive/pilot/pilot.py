@@ -97,7 +97,8 @@ def decide(
     changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
     if changing == LaneChanging():
         changing = leave_queue(snapshot, plan, outlook, ways, memory, limits)
-    rules, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
+    asked, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
+    rules = asked
     assessment = _assess(snapshot, plan, outlook, rules, limits)
     situation = Situation(
         snapshot, plan, limits, memory, events, ahead, ways, next_on_way(snapshot), nearest(rules.stops), assessment, outlook
@@ -121,8 +122,24 @@ def decide(
         completed = replace(completed, move=turning.move)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
-    premises = premises_of(snapshot, completed, ahead, rules.judged, is_watchful=watchful, is_settled=settled)
+    premises = premises_of(snapshot, completed, ahead, asked, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
+
+
+def confirm(
+    snapshot: Snapshot, ahead: Ahead, held: CompletedPlan, memory: PilotMemory, limits: VehicleLimits
+) -> PilotMemory | None:
+    """Return the memory with the others foreseen anew if the highway code asks a moving ego for the same as before: then the
+    plan `held` stays in force. None: the pilot must decide.
+    """
+    premises = memory.premises
+    if premises is None or premises.is_watchful or premises.is_seeking or snapshot.ego.speed < STANDING_SPEED:
+        return None
+    ways = tuple(crossings(snapshot, held.plan, ahead))
+    rules, after = ask(snapshot, held.plan, ways, ahead, LaneChanging(), memory, limits)
+    if after != memory or rules.gist != premises.asked:
+        return None
+    return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))
 
 
 def _assess(
