@@ -11,7 +11,6 @@ from typing import NamedTuple
 from sumo_reactive.executor.executor import Execution, execute
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map
 from sumo_reactive.messages.completed_plan import CompletedPlan, Replanning
-from sumo_reactive.messages.event import EventKind
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Snapshot
 from sumo_reactive.messages.state import VehicleState
@@ -22,7 +21,7 @@ from sumo_reactive.perception.foes import foes_of
 from sumo_reactive.perception.outlook import outlook
 from sumo_reactive.perception.perceive import locate, perceive
 from sumo_reactive.perception.static import static_within
-from sumo_reactive.pilot.events import detect
+from sumo_reactive.pilot.events import detect, only_foes
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Ahead
 from sumo_reactive.pilot.pilot import Style, confirm, decide, notice
@@ -130,7 +129,7 @@ class Controller:
             return snapshot, drive.completed, memory
         if not has_foes:
             snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
-        if drive.completed is not None and all(event.kind is EventKind.FORECAST_EXPIRED for event in events):
+        if drive.completed is not None and only_foes(events, snapshot):
             confirmed = confirm(snapshot, ahead, drive.completed, memory, self.limits)
             if confirmed is not None:
                 return snapshot, drive.completed, confirmed

@@ -32,6 +32,10 @@ FAR, NEAR, ENTERING, INSIDE = range(4)
 """How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""
 
 
+_DOINGS = (EventKind.FORECAST_EXPIRED, EventKind.OTHER_BEHAVIOUR, EventKind.NEW_OBSTACLE)
+"""What the others do."""
+
+
 def detect(
     snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, held: CompletedPlan | None, memory: PilotMemory, no_command: bool
 ) -> tuple[Event, ...]:
@@ -49,6 +53,12 @@ def detect(
     if no_command:
         found.append(Event(EventKind.NO_COMMAND))
     return tuple(found)
+
+
+def only_foes(events: tuple[Event, ...], snapshot: Snapshot) -> bool:
+    """Whether nothing has happened but what those do who are not in the ego's way, or that they were foreseen long ago."""
+    in_the_way = {obstacle.user.id for obstacle in snapshot.on_path}
+    return all(event.kind in _DOINGS and event.cause not in in_the_way for event in events)
 
 
 def premises_of(
