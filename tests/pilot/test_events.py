@@ -1,10 +1,12 @@
 """The pilot is activated asynchronously: by each kind of event, and by nothing else (F&L 1991, §2)."""
 
+import math
+
 import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, before
 
-from sumo_reactive.controller import Controller, Profile, passages_ahead
+from sumo_reactive.controller import Controller, Profile, Step, passages_ahead
 from sumo_reactive.messages.decision import Reason
 from sumo_reactive.messages.event import Event, EventKind
 from sumo_reactive.parameters import DELAY_STEP_S, NO_PROGRESS_S, OFF_NOMINAL_SPEED, TIME_TOLERANCE_S
@@ -200,6 +202,39 @@ def test_a_forecast_that_is_too_old_is_an_event_while_somebody_could_come():
     assert events_after(ego, first, [foe], time=until - 0.05) == ()
     assert events_after(ego, first, [foe], time=until) == (Event(EventKind.FORECAST_EXPIRED),)
     assert ego.step().drive.memory.premises.trusted_until == float("inf")
+
+
+def among(position: float, speed: float, then: float = math.nan) -> list[Step]:
+    """Three seconds of a drive towards a crossing to which a foe comes, `position` m before its line, who has another
+    speed `then` after half a second."""
+    ego = before("four_way_priority", SOUTH_NORTH, 60.0, 10.0)
+    foe = ego.other("foe", "from_west_0", -position, speed, WEST_EAST)
+
+    def foes(past: float):
+        now = ego.later(foe, past)
+        return [now if past < 0.5 or math.isnan(then) else now._replace(speed=then)]
+
+    return ego.driven_among(foes, 3.0)
+
+
+def test_an_old_forecast_is_made_anew_without_the_pilot_as_long_as_the_code_asks_for_the_same():
+    steps = among(30.0, 13.0)
+    assert EventKind.FORECAST_EXPIRED not in kinds(steps)
+    assert len({step.drive.memory.premises.trusted_until for step in steps}) > 4
+    assert all(step.snapshot.foes for step in steps)
+
+
+def test_an_old_forecast_activates_the_pilot_when_the_code_asks_for_something_else():
+    steps = among(60.0, 8.0)
+    (changed,) = [k for k, step in enumerate(steps) if EventKind.FORECAST_EXPIRED in kinds([step])]
+    assert steps[changed - 1].completed.stop.cause == "foe"
+    assert steps[changed].completed.stop is None
+
+
+@pytest.mark.parametrize(("then", "activates"), [(11.0, False), (20.0, True)])
+def test_a_foe_who_does_something_else_activates_the_pilot_if_that_changes_what_the_code_asks(then, activates):
+    steps = among(100.0, 13.0, then)
+    assert (Event(EventKind.OTHER_BEHAVIOUR, "foe") in [e for step in steps for e in step.completed.events]) is activates
 
 
 def test_want_of_progress_is_an_event(alone):
