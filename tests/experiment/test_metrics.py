@@ -212,7 +212,7 @@ def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_th
     assert len(jury.violations) == violations
 
 
-@pytest.mark.parametrize(("position", "speed", "violations"), [(2.0, 13.9, 0), (2.0, 12.0, 1), (25.0, 13.9, 1)])
+@pytest.mark.parametrize(("position", "speed", "violations"), [(2.0, 13.9, 0), (2.0, 10.0, 1), (25.0, 13.9, 1)])
 def test_who_comes_onto_a_slower_road_brakes_for_that(position, speed, violations):
     jury = Jury(5.0, 1.8, 3.0, _crossing())
     one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=position, route=("snin", "snout"))

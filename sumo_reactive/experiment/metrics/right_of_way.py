@@ -33,10 +33,10 @@ FOLLOWS_BRAKING = 2.0
 """…unless it takes this (m/s²) to stay behind the ego as it leaves."""
 
 ROAD_BEGINS_M = 10.0
-"""Who has driven no farther on his road, and is no slower there than it allows by…"""
+"""Who has driven no farther on his road, and has at least…"""
 
-AS_FAST = 0.95
-"""…this share, brakes for its speed limit."""
+AS_FAST = 0.8
+"""…this share of the speed that it allows, brakes for its limit: drivers differ by a fifth in how fast they take it."""
 
 NEAR_MISS_S = 1.0
 """A time to collision below this counts as nearly touching."""
