@@ -129,7 +129,10 @@ def test_a_scenario_of_this_repository_drives_and_decides_as_checked_in():
         (["--trips", ".", "t.csv"], "--trips needs --file"),
     ],
 )
-def test_wrong_input_ends_with_exit_code_2_and_one_line(arguments, complaint):
-    answer = run_tool(*arguments)
-    assert (answer.returncode, answer.stdout) == (2, "")
-    assert complaint in answer.stderr.splitlines()[-1]
+def test_wrong_input_ends_with_exit_code_2_and_one_line(monkeypatch, capsys, arguments, complaint):
+    monkeypatch.setattr("sys.argv", ["digests.py", *arguments])
+    with pytest.raises(SystemExit) as end:
+        digests.main()
+    told = capsys.readouterr()
+    assert (end.value.code, told.out) == (2, "")
+    assert complaint in told.err.splitlines()[-1]
