@@ -7,7 +7,7 @@
 Without `--trips` these are the scenarios of this repository with both profiles and the seeds 42, 1 and 2, and the file is
 tests/end_to_end/digests.json. TRIPS.csv has the columns scenario, config (path below CORPUS), ego and, if it likes,
 step_length_s; seed 42 unless given. A run is called "scenario profile seed", a trip "scenario ego profile seed": `--only`
-takes those whose name holds TEXT, and leaves what the file says of others.
+takes those whose name holds TEXT. Each run is written when it has ended; what the file says of others stays.
 
 A digest is of time, place, heading, speed, acceleration and steering angle in millionths, and of each decision's time and
 words: not of the last bits of a machine's arithmetic, and not of wall-clock times. Where two runs part, the time and the
@@ -67,15 +67,15 @@ def main() -> None:
     chosen = {name: scenario for name, scenario in runs.items() if asked.only in name}
     if not chosen:
         raise SystemExit(_complain(f"no run whose name holds '{asked.only}'"))
-    found, wrong = {}, 0
+    wrong = 0
     for name, digests in driven(chosen, asked.jobs, asked.timeout):
-        found[name] = digests
         parts = "" if asked.write else parting(known.get(name), digests)
         wrong += not digests["steps"] if asked.write else bool(parts)
         print(f"{name}: {parts or digests['told']}", flush=True)
-    if asked.write:
-        _write(asked.file, (known if asked.only else {}) | found)
-    print(f"{len(found)} runs, {wrong} {'failed' if asked.write else 'differ'}")
+        if asked.write:
+            known[name] = digests
+            _write(asked.file, known)
+    print(f"{len(chosen)} runs, {wrong} {'failed' if asked.write else 'differ'}")
     raise SystemExit(int(wrong > 0))
 
 
@@ -273,7 +273,9 @@ def _read(path: Path) -> dict[str, Digests]:
 def _write(path: Path, runs: Mapping[str, Digests]) -> None:
     """Write a line a run, so that a difference of two files names the runs."""
     lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(one)}" for name, one in sorted(runs.items()))
-    path.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
+    partial = path.with_name(f"{path.name}.partial")
+    partial.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
+    partial.replace(path)
 
 
 if __name__ == "__main__":
