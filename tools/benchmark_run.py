@@ -24,6 +24,8 @@ from pathlib import Path
 from statistics import mean, median
 from typing import NamedTuple
 
+from sumolib import checkBinary
+
 ROOT = Path(__file__).resolve().parent.parent
 CASES = (("multi_lane_road", 3.0, None), ("on_ramp_merge", 3.0, None), ("city_grid", 0.25, None), ("city_grid", 3.0, 240.0))
 """Own scenarios, the factor on their traffic, and when to end (s): three with about 60 cars, one with 500 or more."""
@@ -93,9 +95,9 @@ def main() -> None:
     parser.add_argument("--until", type=float, help="end at this simulation time at the latest, s (with --scenario)")
     parser.add_argument("--until-end", action="store_true", help="play on after the ego has arrived")
     parser.add_argument("--repeats", type=int, default=5, help="runs of each program (default 5)")
-    parser.add_argument("--sumo", default="", help="the plain sumo program; else the one beside this Python, or on the path")
+    parser.add_argument("--sumo", default="", help="the plain sumo program; else that of $SUMO_HOME, eclipse-sumo or $PATH")
     asked = parser.parse_args()
-    sumo = asked.sumo or shutil.which("sumo", path=str(Path(sys.executable).parent)) or shutil.which("sumo")
+    sumo = asked.sumo or shutil.which(checkBinary("sumo"))
     if not sumo:
         raise SystemExit("no plain sumo program: install eclipse-sumo or name one with --sumo")
     cases = [Case(ROOT / "scenarios" / f"{name}.toml", scale, until, asked.until_end) for name, scale, until in CASES]

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import gzip
-import os
 import re
 import shutil
 import subprocess
@@ -21,6 +20,8 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from itertools import product
 from pathlib import Path
+
+from sumolib import checkBinary
 
 ROOT = Path(__file__).resolve().parent.parent
 NETWORKS = ROOT / "networks"
@@ -82,9 +83,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def find_netconvert() -> str:
-    """Path of netconvert: the one beside this Python first, then $PATH."""
-    search_path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-    found = shutil.which("netconvert", path=search_path)
+    """Path of netconvert, where SUMO's own tools look for it: $SUMO_HOME, the package eclipse-sumo, $PATH."""
+    found = shutil.which(checkBinary("netconvert"))
     if found is None:
         raise BuildError("netconvert not found; install eclipse-sumo")
     return found

@@ -24,22 +24,23 @@ _SMALLEST_STEP_M = 1e-6  # closer points are one
 def lane_from(raw: RawNet, lane_id: str) -> Lane:
     """Build one lane; raise NetworkError naming it if it is missing or malformed."""
     edge = raw.edge(edge_id_of(lane_id))
-    attributes = next((lane.attrib for lane in edge.iterfind("lane") if lane.get("id") == lane_id), None)
-    if attributes is None:
+    found = next(((k, lane.attrib) for k, lane in enumerate(edge.iterfind("lane")) if lane.get("id") == lane_id), None)
+    if found is None:
         raise NetworkError(f"{raw.path}: unknown lane '{lane_id}'")
     try:
-        return _built(edge.attrib, attributes)
+        return _built(edge.attrib, *found)
     except KeyError as error:
         raise NetworkError(f"{raw.path}: lane '{lane_id}' lacks attribute {error}") from error
     except ValueError as error:
         raise NetworkError(f"{raw.path}: lane '{lane_id}': {error}") from error
 
 
-def _built(edge: Mapping[str, str], lane: Mapping[str, str]) -> Lane:
+def _built(edge: Mapping[str, str], index: int, lane: Mapping[str, str]) -> Lane:
+    """Build a lane. Its index is its place: what netconvert has written as the index is wrong inside some junctions."""
     return Lane(
         id=lane["id"],
         edge_id=edge["id"],
-        index=int(lane["index"]),
+        index=index,
         spine=Polyline(lengthened(_distinct(coordinates(lane["shape"])))),
         length=max(float(lane["length"]), MIN_PATH_LENGTH_M),
         width=float(lane.get("width", DEFAULT_LANE_WIDTH_M)),

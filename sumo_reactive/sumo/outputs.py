@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
-from xml.etree.ElementTree import Element, ParseError, iterparse
+from typing import Any, NamedTuple
+from xml.etree.ElementTree import ParseError
+
+from sumolib.xml import parse
 
 from sumo_reactive.errors import SimulationError
 from sumo_reactive.sumo.option_names import OUTPUT_FILES
@@ -16,7 +18,8 @@ AS_READ = {"output-prefix": "", "human-readable-time": "false", "precision": "2"
 NOWHERE = "NUL"
 """SUMO's name for an output that nobody reads."""
 
-_TRIP, _EMISSIONS = "tripinfo", "emissions"
+_TRIP = "tripinfo"
+_NUMBERS = ("depart", "departDelay", "arrival", "duration", "routeLength", "waitingTime", "waitingCount", "timeLoss")
 _POLLUTANTS = ("CO2_abs", "fuel_abs", "NOx_abs")
 
 
@@ -57,8 +60,7 @@ def silenced(options: Mapping[str, str]) -> dict[str, str]:
 
 def read_trips(path: Path) -> Iterator[TripInfo]:
     """Yield the trips of a `tripinfo-output`, in the order in which they ended."""
-    for element in _elements(path, _TRIP):
-        yield _trip(element)
+    yield from map(_trip, _elements(path, _TRIP, ("id", *_NUMBERS, "vaporized"), emissions=_POLLUTANTS))
 
 
 def trip_of(path: Path, vehicle_id: str) -> TripInfo | None:
@@ -68,49 +70,38 @@ def trip_of(path: Path, vehicle_id: str) -> TripInfo | None:
 
 def read_contacts(path: Path) -> Iterator[Contact]:
     """Yield the collisions of a `collision-output`, in order of time."""
-    for element in _elements(path, "collision"):
-        yield Contact(float(element.get("time", "nan")), element.get("collider", ""), element.get("victim", ""))
+    for contact in _elements(path, "collision", Contact._fields):
+        yield Contact(float(contact.time or "nan"), contact.collider or "", contact.victim or "")
 
 
 def read_teleports(path: Path) -> int:
     """Return the number of teleports that a `statistic-output` counts."""
-    return sum(int(element.get("total", "0")) for element in _elements(path, "teleports"))
+    return sum(int(teleports.total or "0") for teleports in _elements(path, "teleports", ("total",)))
 
 
-def _trip(element: Element) -> TripInfo:
-    def number(name: str) -> float:
-        return float(element.get(name, "0"))
-
-    emissions = element.find(_EMISSIONS)
-    pollutants = (0.0, 0.0, 0.0) if emissions is None else tuple(float(emissions.get(name, "0")) for name in _POLLUTANTS)
-    departure, arrival = number("depart"), number("arrival")
+def _trip(read: Any) -> TripInfo:
+    departure, delay, arrival, duration, length, waiting, stops, loss = (float(getattr(read, key) or 0) for key in _NUMBERS)
+    pollutants = [float(getattr(found, key) or 0) for found in read.emissions or () for key in _POLLUTANTS]
     return TripInfo(
-        element.get("id", ""),
+        read.id or "",
         departure if departure >= 0.0 else None,
-        number("departDelay"),
+        delay,
         arrival if arrival >= 0.0 else None,
-        number("duration"),
-        number("routeLength"),
-        number("waitingTime"),
-        int(number("waitingCount")),
-        number("timeLoss"),
-        bool(element.get("vaporized", "")),
+        duration,
+        length,
+        waiting,
+        int(stops),
+        loss,
+        bool(read.vaporized),
         *pollutants,
     )
 
 
-def _elements(path: Path, tag: str) -> Iterator[Element]:
-    """Yield the elements of a kind below the root; each is forgotten when the next is asked for."""
+def _elements(path: Path, tag: str, attributes: Sequence[str], **children: Sequence[str]) -> Iterator[Any]:
+    """Yield the elements of a kind with these attributes, None where one is missing, and those of their children."""
     try:
         with path.open("rb") as file:
-            depth, root = 0, None
-            for event, element in iterparse(file, events=("start", "end")):
-                root = element if root is None else root
-                depth += 1 if event == "start" else -1
-                if event == "end" and depth == 1:
-                    if element.tag == tag:
-                        yield element
-                    root.clear()
+            yield from parse(file, tag, {tag: attributes} | children, heterogeneous=False)
     except (OSError, ParseError, ValueError) as error:
         said = getattr(error, "strerror", None) or error
         raise SimulationError(f"{path}: SUMO's output cannot be read: {said}") from error

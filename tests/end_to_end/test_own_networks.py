@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from helpers.tools import tool
 
 from sumo_reactive.controller import Profile
 from sumo_reactive.experiment.result import TrialResult
@@ -23,6 +25,8 @@ from sumo_reactive.messages.decision import Instruction
 from sumo_reactive.messages.record import Scene, StepRecord
 
 ROOT = Path(__file__).resolve().parents[2]
+DIGESTS = tool("digests")
+CHECKED_IN = json.loads(DIGESTS.OWN.read_text(encoding="utf-8"))
 NETWORKS = sorted(folder.name for folder in (ROOT / "networks").iterdir() if folder.name != "city_grid")
 LENGTH, WIDTH = 4.7, 1.8
 """The ego's, in every network's routes."""
@@ -189,6 +193,15 @@ def test_the_papers_profile_arrives_without_touching_anybody(network):
     found = run(network, None, Profile.PAPER)
     assert found.result.arrived, found.result.verdict
     assert not touched(found)
+
+
+@pytest.mark.parametrize("profile", Profile)
+@each_network
+def test_the_ego_drives_and_decides_as_checked_in(network, profile):
+    """After a change that is meant, `tools/digests.py --write` writes the file again."""
+    found = run(network, None, profile) if profile is not Profile.DEFAULT else run(network)
+    now = DIGESTS.digests_of(found.result.arrived, [scene.step for scene in found.scenes])
+    assert DIGESTS.parting(CHECKED_IN[f"{network} {profile.value} {found.result.seed}"], now) == ""
 
 
 def test_the_same_seed_gives_the_same_drive():

@@ -89,6 +89,14 @@ def test_means_are_over_those_who_arrived_in_both_runs(tmp_path):
     assert theirs["others_mean_waiting_s"] == 3.0
 
 
+def test_a_trip_is_read_whatever_other_trips_state_and_whatever_its_id_holds(tmp_path):
+    first = '<tripinfo id="a&amp;&quot;b" depart="1.00"/>'
+    trips = list(read_trips(written(tmp_path, first, trip("ego", 100.0, 130.0, "end")).trips))
+    assert (trips[0].vehicle_id, trips[0].departure, trips[0].arrival, trips[0].carbon_dioxide_mg) == ('a&"b', 1.0, 0.0, 0.0)
+    assert (trips[1].vaporized, trips[1].length_m, trips[1].stops) == (True, 1000.0, 2)
+    assert (trips[1].carbon_dioxide_mg, trips[1].fuel_mg, trips[1].nitrogen_oxides_mg) == (200000.0, 60000.0, 100.0)
+
+
 def test_an_output_without_the_ego_or_cut_short_is_an_error_that_names_the_file(tmp_path):
     with pytest.raises(SimulationError, match=r"trips\.xml: SUMO tells no trip of ego 'ego'"):
         effects_of(written(tmp_path, trip("a", 1.0, 2.0)), "ego", 0)

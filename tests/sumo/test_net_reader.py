@@ -55,6 +55,13 @@ def test_lanes_are_3_2_m_wide_unless_they_say_otherwise(written):
     assert net.lane(":j_1_0").width == 3.0
 
 
+def test_a_lanes_index_is_its_place_whatever_the_file_says(written):
+    second = '<lane id="s_1" index="0" speed="13.9" length="96.00" shape="96.8,-100 96.8,-4"/></edge>'
+    before, after = MINIMAL.split('<edge id="s"')
+    net = written(before + '<edge id="s"' + after.replace("</edge>", second, 1))
+    assert (net.lane("s_0").index, net.lane("s_1").index) == (0, 1)
+
+
 def test_a_turn_that_may_wait_inside_has_two_parts_and_a_waiting_place_between_them(written):
     left = written().build(["w", "n"]).connections[LEFT]
     assert left.parts == (":j_1_0", ":j_3_0")
