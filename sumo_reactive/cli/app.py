@@ -38,6 +38,19 @@ def note_compiling() -> None:
 
 
 @contextmanager
+def figures_kept(quiet: bool, show: Callable[[], None]) -> Iterator[None]:
+    """Write what has been worked out: if that fails, the terminal has it at least, also where it was to be quiet."""
+    from sumo_reactive.errors import OutputError
+
+    try:
+        yield
+    except OutputError:
+        if quiet:
+            show()
+        raise
+
+
+@contextmanager
 def progress_shown(quiet: bool) -> Iterator[Progress | None]:
     """Give a function that shows simulation time and a text on the terminal; None where nobody looks."""
     if quiet or not sys.stderr.isatty():

@@ -10,7 +10,8 @@ from helpers.stores import made_store
 
 from sumo_reactive.messages.decision import Behaviour
 from sumo_reactive.report.frame.colours import BEHAVIOUR_COLOURS, DRIVER_COLOURS
-from sumo_reactive.report.frame.page import Html, Section, page, write_page
+from sumo_reactive.report.frame.page import Html, Section, page
+from sumo_reactive.writing import write_whole
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason=NO_BROWSER)
 
@@ -95,5 +96,5 @@ def test_distributions_show_both_drivers(batch_opened):
 )
 def test_an_error_and_a_request_would_be_noticed(tmp_path, script, said):
     broken = page("Broken", "A page.", [Section("a", "A", [Html(f"<script>{script}</script>")])], is_drawn=False)
-    write_page(tmp_path / "broken.html", broken)
+    write_whole(tmp_path / "broken.html", broken)
     assert any(said in line for line in opened(tmp_path / "broken.html", tmp_path).console)

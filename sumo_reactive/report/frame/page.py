@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Sequence
 from html import escape
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from sumo_reactive.errors import ScenarioError
 from sumo_reactive.report.frame.style import POLICY, SCRIPT, STYLE
 
 if TYPE_CHECKING:
@@ -91,22 +87,6 @@ def figure_html(figure: Figure, name: str, height: int) -> Html:
 def side_by_side(parts: Iterable[str]) -> Html:
     """Return parts in columns where the window is wide enough."""
     return Html(f'<div class="grid">{"".join(parts)}</div>')
-
-
-def write_page(path: Path, text: str) -> None:
-    """Write a page, complete or not at all; raise ScenarioError if it cannot be written."""
-    try:
-        descriptor, partial = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.absolute().parent)
-        try:
-            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                file.write(text)
-            Path(partial).chmod(0o644)
-            Path(partial).replace(path)
-        except BaseException:
-            Path(partial).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be written: {error.strerror}") from error
 
 
 def _section(section: Section) -> str:
