@@ -45,8 +45,7 @@ def whole_folder(folder: Path, last: str, replaced: Iterable[Path] = ()) -> Iter
     Where that is there already, the files come into it, and its other files stay but for those `replaced` (paths in it).
     The file `last` says that all are there: it is removed first and comes last. An OSError within is raised as OutputError.
     """
-    folder = folder.absolute()
-    with _told(folder), _scratch(folder if folder.is_dir() else folder.parent) as scratch:
+    with _told(folder), _scratch(folder if folder.is_dir() else folder.absolute().parent) as scratch:
         _require_no_link(folder)
         partial = scratch / "whole"
         partial.mkdir()  # with the permissions of any new folder, unlike the one around it

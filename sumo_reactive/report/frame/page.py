@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 _NUMBER = r"(<strong>)?[+−-]?\d[\d.,e+-]*( … [+−-]?\d[\d.,e+-]*)?(</strong>)?"
 """What stands right in a table: a number, or the two limits of an interval."""
 
-_NO_SITE = {"displaylogo": False, "showSendToCloud": False, "showEditInChartStudio": False, "plotlyServerURL": ""}
-"""No button that opens a site, under its names in all releases of the library that are allowed."""
+_NO_SITE = {"displaylogo": False, "showSendToCloud": False, "plotlyServerURL": ""}
+"""No button opens a site."""
 
 _CONFIG = {**_NO_SITE, "responsive": True, "scrollZoom": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
 
