@@ -1,7 +1,7 @@
 """Compiled kernels: one decorator, a disk cache that a changed source can never leave stale, interrupts while they load.
 
-Numba notices a change in the file of a cached function, not in the functions that it calls from other files. The cache
-therefore lies in a folder named after the contents of all sources that hold kernels.
+A kernel is compiled with those that it calls from other files. The cache therefore lies in a folder named after the
+contents of all rooms that hold kernels.
 """
 
 from __future__ import annotations
@@ -10,36 +10,37 @@ import ast
 import hashlib
 import os
 import signal
-import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
+from sumo_reactive.kernel_cache import KernelCache
+from sumo_reactive.kernel_folder import VARIABLE, is_own, kernel_root, own_folder
 from sumo_reactive.overrides import overrides
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-_KERNEL_ROOMS = ("geometry", "vehicle", "perception", "pilot", "executor")
+KERNEL_ROOMS = ("geometry", "vehicle", "perception", "pilot", "executor", "planner", "experiment/metrics")
+"""Every room with a kernel in it."""
+
+_COMPLETE = "complete"
 
 
-def _cache_folder() -> Path:
+def _cache_folder() -> Path | None:
     package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
-    sources = [source for room in _KERNEL_ROOMS for source in sorted((package / room).glob("*.py"))]
+    sources = [source for room in KERNEL_ROOMS for source in sorted((package / room).glob("*.py"))]
     for source in (package / "parameters.py", *sources):
         digest.update(source.read_bytes())
     for name, value in _compiled_in(overrides(), sources):
         digest.update(f"{name}={value!r}".encode())
-    base = os.environ.get("XDG_CACHE_HOME")
-    root = Path(base) if base else Path.home() / ".cache"
-    if not os.access(root if root.exists() else root.parent, os.W_OK):
-        root = Path(tempfile.gettempdir())
-    return root / "sumo_reactive" / digest.hexdigest()[:16]
+    root = kernel_root(os.environ)
+    return root and own_folder(root / digest.hexdigest()[:16])
 
 
 def _compiled_in(asked: dict[str, float], sources: Iterable[Path]) -> Iterator[tuple[str, float]]:
@@ -58,23 +59,32 @@ def _names_compiled(module: ast.Module) -> Iterator[str]:
 
 
 CACHE_FOLDER = _cache_folder()
-numba.config.CACHE_DIR = str(CACHE_FOLDER)  # type: ignore[attr-defined]
+"""Where the kernels of exactly these sources are kept; None where no folder is safe from others."""
+
+
+def is_kept() -> bool:
+    """Whether compiled kernels are there for later runs, too."""
+    return CACHE_FOLDER is not None and VARIABLE not in os.environ
 
 
 def is_cached() -> bool:
-    """Whether kernels of exactly these sources were compiled on this machine before."""
-    return (CACHE_FOLDER / "complete").exists()
+    """Whether kernels of exactly these sources were compiled before, for this user or the process that started this one."""
+    return CACHE_FOLDER is not None and (CACHE_FOLDER / _COMPLETE).exists()
 
 
 def mark_cached() -> None:
     """Note that every kernel has been compiled once."""
-    if CACHE_FOLDER.exists():
-        (CACHE_FOLDER / "complete").touch()
+    if CACHE_FOLDER is not None and is_own(CACHE_FOLDER):
+        with suppress(OSError):  # no room: what is not kept has been told
+            (CACHE_FOLDER / _COMPLETE).touch()
 
 
 def kernel(function: Function) -> Function:
     """Compile `function` to machine code on first call, cached on disk."""
-    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+    compiled: Any = numba.njit(error_model="numpy")(function)
+    if CACHE_FOLDER is not None:
+        compiled._cache = KernelCache(function, CACHE_FOLDER)
+    return cast(Function, compiled)
 
 
 @contextmanager

@@ -27,6 +27,10 @@ class StoreError(InputError):
     """A store of an experiment that cannot be used or written: of another version, in use by another process, no room."""
 
 
+class OutputError(ReactiveError):
+    """A file or a folder that cannot be written: no room, no permission, an impossible name (exit code 2)."""
+
+
 class ClusterError(InputError):
     """A scheduler that cannot be reached, or whose workers cannot run this package."""
 

@@ -14,6 +14,9 @@ from sumo_reactive import __version__
 Progress = Callable[[float, str], None]
 
 COMPILING_NOTE = "compiling the kernels once (about 20 s)…"
+COMPILING_ALWAYS_NOTE = (
+    "compiling the kernels (about 20 s), for this run alone: others can write to what leads to XDG_CACHE_HOME or ~/.cache…"
+)
 
 app = typer.Typer(name="sumo-reactive", add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 
@@ -31,10 +34,23 @@ def _common(version: Annotated[bool, typer.Option("--version", callback=_show_ve
 
 def note_compiling() -> None:
     """Say so if the kernels are about to be compiled."""
-    from sumo_reactive.compilation import is_cached
+    from sumo_reactive.compilation import is_cached, is_kept
 
     if not is_cached():
-        typer.echo(COMPILING_NOTE, err=True)
+        typer.echo(COMPILING_NOTE if is_kept() else COMPILING_ALWAYS_NOTE, err=True)
+
+
+@contextmanager
+def figures_kept(quiet: bool, show: Callable[[], None]) -> Iterator[None]:
+    """Write what has been worked out: if that fails, the terminal has it at least, also where it was to be quiet."""
+    from sumo_reactive.errors import OutputError
+
+    try:
+        yield
+    except OutputError:
+        if quiet:
+            show()
+        raise
 
 
 @contextmanager

@@ -28,7 +28,7 @@ def check(
 
     cases = [case for file in scenario_files(paths) for case in cases_of(file)]
     if junit is not None:
-        from sumo_reactive.experiment.verdict.junit import require_writable
+        from sumo_reactive.writing import require_writable
 
         require_writable(junit)
     note_compiling()
@@ -45,12 +45,12 @@ def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
     for verdict, text in told:
         if text:
             typer.echo("\n" + "\n".join((verdict.case.name, *(f"  {line}" for line in text.splitlines()))))
+    met = sum(verdict.is_met for verdict in verdicts)
+    typer.echo(f"\n{met} of {len(verdicts)} met")
     if junit is not None:
         from sumo_reactive.experiment.verdict.junit import write_junit
 
         write_junit(junit, told)
-    met = sum(verdict.is_met for verdict in verdicts)
-    typer.echo(f"\n{met} of {len(verdicts)} met")
     return 0 if met == len(verdicts) else 1
 
 

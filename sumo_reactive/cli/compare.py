@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app, note_compiling
+from sumo_reactive.cli.app import app, figures_kept, note_compiling
 
 if TYPE_CHECKING:
     from sumo_reactive.experiment.comparison.comparison import Comparison
@@ -58,9 +58,10 @@ def compare(
         comparison = compared(
             scenarios, horizon_s=horizon, jobs=jobs or os.cpu_count() or 1, wall_limit_s=time_limit, progress=progress
         )
-    if out is not None:
-        write(comparison, out)
     _show(comparison, quiet)
+    if out is not None:
+        with figures_kept(quiet, lambda: _show(comparison, False)):
+            write(comparison, out)
     return comparison.exit_code
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from sumo_reactive.cli.app import note_compiling, progress_shown
+from sumo_reactive.cli.app import figures_kept, note_compiling, progress_shown
 
 if TYPE_CHECKING:
     from sumo_reactive.experiment.fleet.egos import EgoRule
@@ -50,9 +50,10 @@ def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: 
             fleet = run_fleet(scenario, rule, progress=progress)
         else:
             fleet = run_fleet(scenario, rule, observer=recorder.see, progress=progress, survey=recorder.survey)
-    if recorder:
-        recorder.write(fleet)
     _show(fleet, quiet)
+    if recorder:
+        with figures_kept(quiet, lambda: _show(fleet, False)):
+            recorder.write(fleet)
     return fleet.exit_code
 
 

@@ -16,10 +16,10 @@ def report(
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="else beside the store, or in the folder")] = None,
 ) -> int:
     """Write one HTML page that shows a batch or a run, and loads nothing from anywhere."""
-    from sumo_reactive.report.frame.page import write_page
     from sumo_reactive.report.reports import page_beside, page_of
+    from sumo_reactive.writing import write_whole
 
     target = out or page_beside(path)
-    write_page(target, page_of(path, target))
+    write_whole(target, page_of(path, target))
     typer.echo(str(target))
     return 0

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app, note_compiling, progress_shown
+from sumo_reactive.cli.app import app, figures_kept, note_compiling, progress_shown
 
 if TYPE_CHECKING:
     from sumo_reactive.experiment.recorder import Recorder
@@ -70,9 +70,10 @@ def run(
         return run_several(scenario, several, out, overwrite, quiet)
     recorder = Recorder(out, overwrite=overwrite) if out else None
     result = _drive(scenario, recorder, quiet)
-    if recorder:
-        recorder.write(result)
     _show(result, quiet)
+    if recorder:
+        with figures_kept(quiet, lambda: _show(result, False)):
+            recorder.write(result)
     return result.exit_code
 
 

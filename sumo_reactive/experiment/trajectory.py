@@ -10,6 +10,7 @@ import duckdb
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.experiment.io_errors import as_os_errors
 from sumo_reactive.messages.record import StepRecord
 
 COLUMNS = {
@@ -48,11 +49,12 @@ _TYPES: dict[str, type] = dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS
 
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
-    """Write `steps` as a Parquet file; NaN becomes NULL."""
+    """Write `steps` as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done."""
     table: dict[str, NDArray[Any]] = {
         column: np.array([getattr(step, field) for step in steps], dtype=_TYPES.get(field, np.float64))
         for field, column in COLUMNS.items()
     }
     with duckdb.connect() as database:
         database.register("steps", table)
-        database.table("steps").write_parquet(str(path))
+        with as_os_errors():
+            database.table("steps").write_parquet(str(path))

@@ -11,7 +11,7 @@ from typing import Any
 from urllib.parse import quote
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.fleet.record import FLEET, folder_name
+from sumo_reactive.experiment.ego_folders import FLEET, folders_in
 from sumo_reactive.report.frame.labels import number, title_of
 from sumo_reactive.report.frame.page import Section, code, link, page, paragraph_of, table
 
@@ -24,7 +24,8 @@ def fleet_page(folder: Path, target: Path, own_page: str) -> str:
     try:
         fleet = json.loads((folder / FLEET).read_text(encoding="utf-8"))
         egos, refused = list(fleet["egos"]), list(fleet["refused"])
-        rows = [_row(one, folder, target, own_page) for one in egos]
+        folders = folders_in(folder / FLEET)
+        rows = [_row(one, folder / own, target, own_page) for one, own in zip(egos, folders, strict=True)]
         left = [(one["vehicle"], one["reason"]) for one in refused]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise ScenarioError(f"{folder / FLEET}: not the record of several egos: {error}") from error
@@ -39,8 +40,7 @@ def fleet_page(folder: Path, target: Path, own_page: str) -> str:
     return page(f"{len(egos)} egos", f"{clean} of {len(egos)} arrived without a violation.", sections, is_drawn=False)
 
 
-def _row(one: Mapping[str, Any], folder: Path, target: Path, own_page: str) -> tuple[str, ...]:
-    own = folder / folder_name(one["ego"])
+def _row(one: Mapping[str, Any], own: Path, target: Path, own_page: str) -> tuple[str, ...]:
     written = own / own_page
     way = quote(Path(os.path.relpath(written, target.absolute().parent)).as_posix())
     shown = link(way, "page") if written.is_file() else code(shlex.join(["sumo-reactive", "report", str(own)]))

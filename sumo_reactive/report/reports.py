@@ -5,14 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.fleet.record import FLEET
+from sumo_reactive.experiment.ego_folders import FLEET
+from sumo_reactive.experiment.recorder import PAGE
 from sumo_reactive.report.batch.page import batch_page
 from sumo_reactive.report.fleet_page import fleet_page
 from sumo_reactive.report.recording import load
 from sumo_reactive.report.run.page import run_page
-
-PAGE = "report.html"
-"""The page of a folder."""
 
 
 def page_beside(path: Path) -> Path:

@@ -52,7 +52,7 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
         ((FOUR_WAY, "--seed", "3-1"), "--seed: '3-1' is empty"),
         ((FOUR_WAY, "--horizon", "0"), "--horizon"),
         ((FOUR_WAY, "--jobs", "0"), "--jobs"),
-        ((FOUR_WAY, "--out", FOUR_WAY), "a file, not a folder for a comparison"),
+        ((FOUR_WAY, "--out", FOUR_WAY), "a file, not a folder"),
         ((FOUR_WAY, "--", "--tripinfo-output", "x"), "SUMO option 'tripinfo-output' cannot be given"),
         ((FOUR_WAY, "--ego", "nobody", "--out", "out"), "unknown ego 'nobody'"),
     ],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import record
 
-from sumo_reactive.errors import ScenarioError
+from sumo_reactive.errors import OutputError, ScenarioError
 from sumo_reactive.experiment.recorder import Recorder
 from sumo_reactive.experiment.result import Collision, TrialResult, Violation
 from sumo_reactive.experiment.summary import rows_of
@@ -120,13 +120,21 @@ def test_another_run_is_kept_unless_overwriting_is_asked_for(tmp_path):
     assert (tmp_path / "out" / "tripinfo.xml").exists()
 
 
+def test_overwriting_leaves_nothing_of_the_run_before(tmp_path):
+    recorded(tmp_path / "out")
+    (tmp_path / "out" / "report.html").write_text("the run before", encoding="utf-8")
+    recorded(tmp_path / "out", overwrite=True)
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+
+
 def test_an_empty_folder_is_fine_and_a_file_is_not(tmp_path):
     (tmp_path / "empty").mkdir()
     recorded(tmp_path / "empty")
     (tmp_path / "file").touch()
-    with pytest.raises(ScenarioError, match="a file, not a folder"):
+    with pytest.raises(OutputError, match="a file, not a folder"):
         Recorder(tmp_path / "file")
-    with pytest.raises(ScenarioError, match="cannot be written"):
+    with pytest.raises(OutputError, match="cannot be written"):
         Recorder(tmp_path / "file" / "out")
 
 

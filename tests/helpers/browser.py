@@ -4,7 +4,11 @@ import html
 import json
 import re
 import shutil
+import socketserver
 import subprocess
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,6 +38,27 @@ addEventListener("load", () => setTimeout(() => {
 """Notes where the plots of a page are when it has been drawn."""
 
 
+PRESSED = """<script>
+addEventListener("load", () => setTimeout(async () => {
+  const seen = new Set();
+  const kinds = "button, [role=button], input[type=button], input[type=submit], .modebar-btn, .updatemenu-button";
+  for (let found = true; found && seen.size < 500; ) {
+    found = false;
+    for (const button of document.querySelectorAll(kinds)) {
+      if (seen.has(button)) continue;
+      seen.add(button);
+      found = true;
+      button.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true, view: window }));
+      await new Promise((done) => setTimeout(done, 20));
+    }
+  }
+  const titles = [...seen].map((one) => one.getAttribute("data-title") || one.textContent.trim());
+  document.body.dataset.pressed = JSON.stringify(titles);
+}, 1000));
+</script>"""
+"""Presses every button, also those that come up by that, and notes what stands on them."""
+
+
 @dataclass(frozen=True)
 class Opened:
     """A page in a browser: lines on its console, its elements after loading, its plots as pictures (n, m, 3), 0 to 1."""
@@ -43,10 +68,60 @@ class Opened:
     plots: dict[str, np.ndarray]
 
 
+OWN_HOSTS = (".google.com", ".googleapis.com", ".gstatic.com", ".gvt1.com")
+"""Where a browser with a new profile asks for updates and the like."""
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """What became of pressing every button of a page: their titles, lines on the console, hosts that the page asked for."""
+
+    buttons: list[str]
+    console: list[str]
+    hosts: set[str]
+
+
+def pressed(page: Path, folder: Path) -> Pressed:
+    """Press every button of a page while the network refuses every request and notes where it was to go."""
+    hosts: set[str] = set()
+    with _refusing(hosts) as port:
+        refused = f"--proxy-server=127.0.0.1:{port}", "--proxy-bypass-list=<-loopback>", "--disable-popup-blocking"
+        dom, said = _browse(_with(page, folder, PRESSED), folder, "--dump-dom", *refused)
+    found = re.search(r'data-pressed="([^"]*)"', dom)
+    assert found, said
+    console = [line for line in said.splitlines() if "CONSOLE" in line]
+    return Pressed(json.loads(html.unescape(found[1])), console, {one for one in hosts if not one.endswith(OWN_HOSTS)})
+
+
+@contextmanager
+def _refusing(hosts: set[str]) -> Iterator[int]:
+    """Give the port of a proxy that answers nobody and notes the hosts asked for."""
+
+    class Refusal(socketserver.StreamRequestHandler):
+        def handle(self) -> None:
+            if asked := re.match(rb"[A-Z]+ (?:\w+://)?([^/: ]+)", self.rfile.readline(1000)):
+                hosts.add(asked[1].decode(errors="replace"))
+
+    with socketserver.ThreadingTCPServer(("127.0.0.1", 0), Refusal) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield server.server_address[1]
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+def _with(page: Path, folder: Path, script: str) -> Path:
+    """Return a copy of a page with a script at its end."""
+    noted = folder / "noted.html"
+    noted.write_text(page.read_text(encoding="utf-8").replace("</body>", f"{script}</body>"), encoding="utf-8")
+    return noted
+
+
 def opened(page: Path, folder: Path) -> Opened:
     """Open a page in a browser with a new profile; `folder` takes what that needs."""
-    noted = folder / "noted.html"
-    noted.write_text(page.read_text(encoding="utf-8").replace("</body>", f"{PLACES}</body>"), encoding="utf-8")
+    noted = _with(page, folder, PLACES)
     dom, said = _browse(noted, folder, "--dump-dom")
     found = re.search(r'data-places="([^"]*)"', dom)
     places = json.loads(html.unescape(found[1])) if found else {"height": 1000, "plots": []}

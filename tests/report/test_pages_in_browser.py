@@ -5,12 +5,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from helpers.browser import BROWSER, NO_BROWSER, coloured, of_colour, opened
+from helpers.browser import BROWSER, NO_BROWSER, coloured, of_colour, opened, pressed
 from helpers.stores import made_store
 
 from sumo_reactive.messages.decision import Behaviour
 from sumo_reactive.report.frame.colours import BEHAVIOUR_COLOURS, DRIVER_COLOURS
-from sumo_reactive.report.frame.page import Html, Section, page, write_page
+from sumo_reactive.report.frame.page import Html, Section, page
+from sumo_reactive.writing import write_whole
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason=NO_BROWSER)
 
@@ -30,23 +31,33 @@ def sumo_reactive(*arguments):
 
 
 @pytest.fixture(scope="module")
-def run_opened(tmp_path_factory):
+def run_page(tmp_path_factory):
     """The page of a run that overtakes, waits before an intersection and crosses it."""
     folder = tmp_path_factory.mktemp("run")
     sumo_reactive("run", SCENARIO, "--quiet", "--out", folder / "out")
     written = Path(sumo_reactive("report", folder / "out"))
     assert written == folder / "out" / "report.html"
-    return opened(written, folder)
+    return written
 
 
 @pytest.fixture(scope="module")
-def batch_opened(tmp_path_factory):
+def batch_page(tmp_path_factory):
     """The page of a batch."""
     folder = tmp_path_factory.mktemp("batch")
     made_store(folder / "made.duckdb")
     written = Path(sumo_reactive("report", folder / "made.duckdb", "--out", folder / "page.html"))
     assert written == folder / "page.html"
-    return opened(written, folder)
+    return written
+
+
+@pytest.fixture(scope="module")
+def run_opened(run_page):
+    return opened(run_page, run_page.parent.parent)
+
+
+@pytest.fixture(scope="module")
+def batch_opened(batch_page):
+    return opened(batch_page, batch_page.parent)
 
 
 def test_the_page_of_a_run_says_nothing_on_the_console(run_opened):
@@ -89,11 +100,27 @@ def test_distributions_show_both_drivers(batch_opened):
     assert all(of_colour(picture, colour) > SOME for colour in DRIVER_COLOURS.values())
 
 
+@pytest.mark.parametrize(("name", "some"), [("run_page", "whole trip"), ("batch_page", "Zoom in")])
+def test_no_button_of_a_page_asks_anybody_for_anything(request, tmp_path, name, some):
+    found = pressed(request.getfixturevalue(name), tmp_path)
+    assert len(found.buttons) > 10 and some in found.buttons
+    assert "Download plot as a PNG" in " ".join(found.buttons)
+    assert (found.hosts, found.console) == (set(), [])
+
+
+@pytest.mark.parametrize("site", ["https://share.example/x", "http://share.example/x"])
+def test_a_button_that_opens_a_foreign_site_would_be_noticed(tmp_path, site):
+    script = f"<button onclick=\"window.open('{site}', '_blank')\">Share</button>"
+    write_whole(tmp_path / "sharing.html", page("Sharing", "A page.", [Section("a", "A", [Html(script)])], is_drawn=False))
+    found = pressed(tmp_path / "sharing.html", tmp_path)
+    assert (found.buttons, found.hosts) == (["Share"], {"share.example"})
+
+
 @pytest.mark.parametrize(
     ("script", "said"),
     [("nobody.knows()", "nobody is not defined"), ("fetch('http://127.0.0.1:9/')", "Content Security Policy")],
 )
 def test_an_error_and_a_request_would_be_noticed(tmp_path, script, said):
     broken = page("Broken", "A page.", [Section("a", "A", [Html(f"<script>{script}</script>")])], is_drawn=False)
-    write_page(tmp_path / "broken.html", broken)
+    write_whole(tmp_path / "broken.html", broken)
     assert any(said in line for line in opened(tmp_path / "broken.html", tmp_path).console)

@@ -13,8 +13,10 @@ import duckdb
 from sumo_reactive.errors import StoreError
 from sumo_reactive.experiment.batch.store import connected
 from sumo_reactive.experiment.comparison.statistics import Interval, interval_of
+from sumo_reactive.experiment.io_errors import as_os_errors
 from sumo_reactive.experiment.metric_names import METRICS
 from sumo_reactive.experiment.toml_file import nearest
+from sumo_reactive.writing import whole_file
 
 _GROUP = "scenario, driver, parameters, options"
 _VALUES = f"""
@@ -110,12 +112,13 @@ def _varied(*parts: str) -> str:
 
 
 def written(table: duckdb.DuckDBPyRelation, csv: Path | None, parquet: Path | None) -> None:
-    """Write a table to the files asked for; raise StoreError if one cannot be written."""
+    """Write a table to the files asked for; raise StoreError or OutputError if one cannot be written."""
     writers: list[tuple[Path | None, Any]] = [(csv, table.write_csv), (parquet, table.write_parquet)]
     for path, write in writers:
         if path is None:
             continue
         try:
-            write(str(path))
+            with whole_file(path) as partial, as_os_errors():
+                write(str(partial))
         except duckdb.Error as error:
             raise StoreError(f"{path}: cannot be written: {' '.join(str(error).splitlines()[0].split())}") from error

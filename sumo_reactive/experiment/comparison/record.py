@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
 from io import StringIO
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.comparison.comparison import Comparison, Number, Pair, Side
 from sumo_reactive.experiment.comparison.statistics import CONFIDENCE, RESAMPLES, Interval, PairedDifference
+from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
@@ -175,32 +175,16 @@ def _cell(value: Number) -> Number | str:
 
 
 def require_usable(folder: Path, overwrite: bool) -> None:
-    """Raise ScenarioError if the folder cannot be written to, or holds a comparison that may not be replaced."""
-    if folder.exists() and not folder.is_dir():
-        raise ScenarioError(f"{folder}: a file, not a folder for a comparison")
+    """Raise OutputError if the folder cannot be written to, ScenarioError if its comparison may not be replaced."""
+    require_writable(folder, is_folder=True)
     found = [name for name in (JSON_FILE, CSV_FILE) if (folder / name).exists()]
     if found and not overwrite:
         raise ScenarioError(f"{folder}: holds another comparison ({', '.join(found)}); use --overwrite or another folder")
-    existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
-    if not existing.is_dir() or not os.access(existing, os.W_OK):
-        raise ScenarioError(f"{folder}: cannot be written: no folder can be made in {existing}")
 
 
 def write(comparison: Comparison, folder: Path) -> None:
-    """Write both files under temporary names, then move them into place."""
-    texts = {
-        CSV_FILE: csv_of(comparison),
-        JSON_FILE: json.dumps(data_of(comparison), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
-    }
-    partial = {name: folder / f".{name}.partial" for name in texts}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            partial[name].write_text(text, encoding="utf-8")
-        for name in texts:
-            partial[name].replace(folder / name)
-    except OSError as error:
-        raise ScenarioError(f"{folder}: cannot be written: {error.strerror}") from error
-    finally:
-        for file in partial.values():
-            file.unlink(missing_ok=True)
+    """Write both files, or none; raise OutputError if that cannot be done."""
+    data = json.dumps(data_of(comparison), indent=2, ensure_ascii=False, allow_nan=False)
+    with whole_folder(folder, JSON_FILE) as partial:
+        (partial / CSV_FILE).write_text(csv_of(comparison), encoding="utf-8", errors="backslashreplace")
+        (partial / JSON_FILE).write_text(data + "\n", encoding="utf-8", errors="backslashreplace")

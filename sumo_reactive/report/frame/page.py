@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Sequence
 from html import escape
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from sumo_reactive.errors import ScenarioError
 from sumo_reactive.report.frame.style import POLICY, SCRIPT, STYLE
 
 if TYPE_CHECKING:
@@ -19,7 +15,10 @@ if TYPE_CHECKING:
 _NUMBER = r"(<strong>)?[+−-]?\d[\d.,e+-]*( … [+−-]?\d[\d.,e+-]*)?(</strong>)?"
 """What stands right in a table: a number, or the two limits of an interval."""
 
-_CONFIG = {"displaylogo": False, "responsive": True, "scrollZoom": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
+_NO_SITE = {"displaylogo": False, "showSendToCloud": False, "plotlyServerURL": ""}
+"""No button opens a site."""
+
+_CONFIG = {**_NO_SITE, "responsive": True, "scrollZoom": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
 
 
 class Html(str):
@@ -91,22 +90,6 @@ def figure_html(figure: Figure, name: str, height: int) -> Html:
 def side_by_side(parts: Iterable[str]) -> Html:
     """Return parts in columns where the window is wide enough."""
     return Html(f'<div class="grid">{"".join(parts)}</div>')
-
-
-def write_page(path: Path, text: str) -> None:
-    """Write a page, complete or not at all; raise ScenarioError if it cannot be written."""
-    try:
-        descriptor, partial = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.absolute().parent)
-        try:
-            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                file.write(text)
-            Path(partial).chmod(0o644)
-            Path(partial).replace(path)
-        except BaseException:
-            Path(partial).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise ScenarioError(f"{path}: cannot be written: {error.strerror}") from error
 
 
 def _section(section: Section) -> str:
