@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import stat
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +16,13 @@ _NO_CODE: dict[str, Any] = {
     "allow_community_extensions": False,
     "autoinstall_known_extensions": False,
     "autoload_known_extensions": False,
+    "memory_limit": "2GB",
     "python_enable_replacements": False,
     "temp_directory": "",
 }
+"""No extension is loaded, and what unpacks to more is refused, not swapped to disk."""
+
 _NO_FILES = {"enable_external_access": False, "lock_configuration": True}
-
-SEALED = _NO_CODE | _NO_FILES
-"""What a connection may not do: nothing outside the file it was opened on, no extension, none of this taken back."""
-
-MEMORY = {"memory_limit": "2GB"}
-"""A file from elsewhere that unpacks to more is refused, not swapped to disk."""
 
 MAX_RECORD_BYTES = 1 << 30
 """No recorded run is larger."""
@@ -43,6 +41,18 @@ def require_regular(path: Path, max_bytes: int | None = None) -> None:
         raise InputError(f"{path}: {found.st_size / 1e6:.0f} MB, more than {max_bytes / 1e6:.0f}")
 
 
+def opened(path: Path | None, *, read_only: bool = False, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
+    """Open a database (None: in memory) that gets at no file but its own and `files`, for good; raise `duckdb.Error`."""
+    name = str(path or ":memory:")
+    if not files:
+        return duckdb.connect(name, read_only=read_only, config=_NO_CODE | _NO_FILES)
+    database = duckdb.connect(name, read_only=read_only, config=_NO_CODE)
+    database.execute("SET allowed_paths = ?", [list(files)])
+    for option, value in _NO_FILES.items():
+        database.execute(f"SET {option} = {value}")
+    return database
+
+
 def parquet_rows(path: Path, query: str, max_rows: int) -> list[tuple[Any, ...]]:
     """Return what a query over the table `steps` gives, which is the Parquet file at `path` and no other.
 
@@ -51,10 +61,7 @@ def parquet_rows(path: Path, query: str, max_rows: int) -> list[tuple[Any, ...]]
     require_regular(path, MAX_RECORD_BYTES)
     name = str(path.absolute())
     literal = re.sub(r"([*?\[])", r"[\1]", name)  # DuckDB takes a path for a pattern
-    with duckdb.connect(config=_NO_CODE | MEMORY) as database:
-        database.execute("SET allowed_paths = ?", [[name, literal]])
-        for option, value in _NO_FILES.items():
-            database.execute(f"SET {option} = {value}")
+    with opened(None, files=(name, literal)) as database:
         database.read_parquet(literal).create_view("steps")
         rows: list[tuple[Any, ...]] = database.execute(query).fetchmany(max_rows + 1)
     if len(rows) > max_rows:
