@@ -1,12 +1,13 @@
 """Files that somebody else may have written: read as what they are, and nothing besides."""
 
 import os
+from pathlib import Path
 
 import duckdb
 import pytest
 
 from sumo_reactive.errors import InputError
-from sumo_reactive.experiment.sealed import MEMORY, SEALED, parquet_rows, require_regular
+from sumo_reactive.experiment.sealed import opened, parquet_rows, require_regular
 
 NAME = "steps.parquet"
 
@@ -52,8 +53,9 @@ def test_a_sealed_database_opens_nothing_else(tmp_path, monkeypatch, order):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "secret.txt").write_text("secret")
     present = duckdb.sql("SELECT 1")
-    with duckdb.connect("store.duckdb", config=SEALED | MEMORY) as database, pytest.raises(duckdb.Error):
-        database.execute(order)
+    for files in ((), (str(tmp_path / "out.csv"),)):
+        with opened(Path("store.duckdb"), files=files) as database, pytest.raises(duckdb.Error):
+            database.execute(order)
     assert present and {path.name for path in tmp_path.iterdir()} <= {"secret.txt", "store.duckdb", "store.duckdb.wal"}
 
 
