@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,11 +13,15 @@ from sumo_reactive.cli.app import app
 
 if TYPE_CHECKING:
     from rich.table import Table
+    from rich.text import Text
 
     from sumo_reactive.experiment.batch.stored_results import Mean, Results
 
 WIDE = 200
 """Columns of a table that goes to a file or another program."""
+
+MOST_ROWS = 10_000
+"""So many rows of a query are shown."""
 
 
 @app.command()
@@ -30,12 +35,17 @@ def results(
     """Show mean and 95 % interval of each metric by scenario, driver and parameters, or hand the table on."""
     from sumo_reactive.experiment.batch.stored_results import Results, written
 
+    for target, form in ((csv, "csv"), (parquet, "parquet")):
+        if target:
+            written(file, sql, target, form)
+    if csv or parquet:
+        return 0
     with Results(file) as found:
-        if csv or parquet:
-            written(found.table(sql), csv, parquet)
-        elif sql:
-            table = found.table(sql)
-            _print(_plain(table.columns, table.fetchall()))
+        if sql:
+            table = found.asked(sql, MOST_ROWS)
+            _print(_plain(table.columns, table.rows))
+            if table.is_cut:
+                typer.echo(f"the first {MOST_ROWS} rows; --csv or --parquet writes all")
         else:
             _print(_means(found, found.metrics(metric or [])))
             finished, planned = found.progress
@@ -62,17 +72,23 @@ def _told(mean: Mean | None) -> str:
     return f"{mean.mean:.4g}{interval}"
 
 
-def _plain(columns: list[str], rows: list[Any]) -> Table:
+def _plain(columns: Sequence[str], rows: Sequence[Any]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
-    from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        table.add_column(column, overflow="fold")
+        table.add_column(_shown(column), overflow="fold")
     for row in rows:
-        table.add_row(*(Text("" if value is None else str(value)) for value in row))
+        table.add_row(*(_shown("" if value is None else str(value)) for value in row))
     return table
+
+
+def _shown(text: str) -> Text:
+    """Return a text of the store as a terminal may have it: nothing that steers it, nothing that rich takes for markup."""
+    from rich.text import Text
+
+    return Text("".join(letter if letter.isprintable() or letter == "\n" else "�" for letter in text))
 
 
 def _print(table: Table) -> None:

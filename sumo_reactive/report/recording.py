@@ -12,6 +12,7 @@ import duckdb
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.recorder import DECISIONS, SUMMARY, TRAJECTORY
+from sumo_reactive.experiment.sealed import parquet_rows
 from sumo_reactive.experiment.trace import Entry, read_entries
 
 
@@ -54,15 +55,15 @@ def state_at(recording: Recording, time: float) -> EgoState:
     """Return the ego at the last step up to `time` (s); raise ScenarioError for a time outside the run."""
     path = recording.folder / TRAJECTORY
     try:
-        steps = duckdb.read_parquet(str(path))
-        ((first, last),) = steps.aggregate("min(time_s), max(time_s)").fetchall()
+        ((first, last),) = parquet_rows(path, "SELECT min(time_s), max(time_s) FROM steps", 1)
         if first is None:
             raise ScenarioError(f"{recording.folder}: the run has no steps")
         if not first - CLOSE_S <= time <= last + CLOSE_S:
             raise ScenarioError(f"{recording.folder}: {time:g} s is outside the run ({first:.1f} to {last:.1f} s)")
-        found = steps.filter(f"time_s <= {time + CLOSE_S!r}").order("time_s desc").limit(1).project(_STATE).fetchall()
+        last_up_to = f"WHERE time_s <= {time + CLOSE_S!r} ORDER BY time_s DESC LIMIT 1"
+        found = parquet_rows(path, f"SELECT {_STATE} FROM steps {last_up_to}", 1)
     except duckdb.Error as error:
-        raise ScenarioError(f"{path}: not the trajectory of a run: {error}") from error
+        raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
     return EgoState(*found[0])
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import duckdb
 import psutil
 import pytest
+from distributed.security import Security
 
 ROOT = Path(__file__).parents[2]
 EXPERIMENT = f"""
@@ -96,7 +97,7 @@ def test_killed_twice_it_resumes_and_ends_with_the_same_trials(undisturbed, tmp_
     with started("sumo_reactive", "batch", file, "--workers", 2, cwd=tmp_path) as batch:
         read_until(batch, r"^2 of")
         workers = [one for one in descendants(batch) if any("trial_process" in word for word in one.cmdline())]
-        psutil.Process(workers[0].ppid()).kill()
+        workers[0].kill()
         read_until(batch, r"^5 of")
         family = descendants(batch)
         batch.kill()
@@ -106,6 +107,25 @@ def test_killed_twice_it_resumes_and_ends_with_the_same_trials(undisturbed, tmp_
     answer = sumo_reactive("batch", file, "--workers", 2, cwd=tmp_path)
     assert answer.returncode == 0 and "of them in" in answer.stdout, answer.stdout + answer.stderr
     assert stored(tmp_path) == stored(undisturbed)
+
+
+def test_on_one_machine_no_port_is_open(tmp_path):
+    with started("sumo_reactive", "batch", written(tmp_path), "--workers", 2, cwd=tmp_path) as batch:
+        read_until(batch, r"^1 of")
+        family = [psutil.Process(batch.pid), *descendants(batch)]
+        assert len(family) == 3
+        assert [one.net_connections(kind="inet") for one in family] == [[]] * 3
+
+
+def test_on_one_machine_dask_is_not_needed(tmp_path):
+    code = "import sys; sys.modules['distributed'] = sys.modules['dask'] = None; from sumo_reactive.cli import main; main()"
+    file = written(tmp_path, seeds=(1,), more='drivers = ["sumo"]\n')
+    for more, status in (((), 0), (("--scheduler", "tcp://127.0.0.1:9"), 2)):
+        command = [sys.executable, "-c", code, "batch", str(file), "--workers", "1", *more]
+        answer = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, cwd=tmp_path, check=False)
+        assert answer.returncode == status, answer.stderr
+        (tmp_path / "experiment.duckdb").unlink()
+    assert answer.stderr == "sumo-reactive: --scheduler needs dask: pip install 'sumo-reactive[cluster]'\n"
 
 
 def test_an_interrupt_ends_it_in_order_and_it_goes_on_later(tmp_path):
@@ -122,10 +142,11 @@ def test_an_interrupt_ends_it_in_order_and_it_goes_on_later(tmp_path):
 
 
 @contextmanager
-def cluster(cwd):
+def cluster(cwd, protocol="tcp"):
     """Start a scheduler and two workers; give the scheduler and its address."""
-    with started("distributed.cli.dask_scheduler", "--port", 0, "--no-dashboard", cwd=cwd) as scheduler:
-        address = read_until(scheduler, r"Scheduler at:\s*(tcp://\S+)")[1]
+    asked = ("--port", 0, "--no-dashboard", "--protocol", protocol)
+    with started("distributed.cli.dask_scheduler", *asked, cwd=cwd) as scheduler:
+        address = read_until(scheduler, rf"Scheduler at:\s*({protocol}://\S+)")[1]
         worker = ("distributed.cli.dask_worker", address, "--nthreads", 1, "--no-dashboard")
         with started(*worker, cwd=cwd), started(*worker, cwd=cwd):
             yield scheduler, address
@@ -137,6 +158,32 @@ def test_on_workers_started_separately_in_another_order_every_byte_is_the_same(u
         answer = sumo_reactive("batch", file, "--scheduler", address, cwd=tmp_path)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert stored(tmp_path) == stored(undisturbed)
+
+
+def test_a_scheduler_with_tls_takes_only_who_has_its_certificate(tmp_path, monkeypatch):
+    held = Security.temporary()
+    for name, text in (("ca.pem", held.tls_ca_file), ("own.pem", held.tls_client_cert), ("own.key", held.tls_client_key)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "dask").mkdir()
+    (tmp_path / "dask" / "tls.yaml").write_text(tls_in_readme(), encoding="utf-8")
+    file = written(tmp_path, seeds=(1,), more='drivers = ["sumo"]\n')
+    monkeypatch.setenv("DASK_CONFIG", str(tmp_path / "dask"))
+    with cluster(tmp_path, "tls") as (_, address):
+        answer = sumo_reactive("batch", file, "--scheduler", address, cwd=tmp_path)
+        assert answer.returncode == 0, answer.stdout + answer.stderr
+        assert address.startswith("tls://") and len(stored(tmp_path)[0]) == 2
+        monkeypatch.delenv("DASK_CONFIG")
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "none"))
+        (tmp_path / "experiment.duckdb").unlink()
+        plain = address.replace("tls:", "tcp:")
+        refused = sumo_reactive("batch", file, "--scheduler", plain, cwd=tmp_path)
+        assert refused.returncode == 2 and refused.stderr.startswith(f"sumo-reactive: no scheduler at '{plain}'")
+        assert len(refused.stderr.splitlines()) == 1
+
+
+def tls_in_readme():
+    """Return the configuration that the README shows."""
+    return re.search(r"```yaml\n(distributed:.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[1]
 
 
 def test_a_scheduler_that_is_lost_on_the_way_is_one_line_and_nothing_is_lost(tmp_path):
@@ -191,6 +238,7 @@ def test_a_second_batch_on_the_same_store_is_refused_with_the_first_ones_process
         (("batch", "nowhere.toml"), "nowhere.toml: no such file"),
         (("batch", "experiment.toml", "--scheduler", "tcp://127.0.0.1:9"), "no scheduler at 'tcp://127.0.0.1:9'"),
         (("batch", "experiment.toml", "--scheduler", "nonsense"), "no scheduler at 'nonsense'"),
+        (("batch", "experiment.toml", "--scheduler", "tls://127.0.0.1:9"), "no scheduler at 'tls://127.0.0.1:9'"),
         (("results", "nowhere.duckdb"), "nowhere.duckdb: no such file"),
         (("results", "experiment.toml"), "not the store of an experiment"),
         (("results", "old.duckdb"), "a store of version 0"),

@@ -95,7 +95,7 @@ def test_an_unknown_metric_is_told_with_those_near_it(tmp_path, metric, said):
 def test_a_query_that_fails_is_one_line(tmp_path):
     Store(tmp_path / "s.duckdb").close()
     with Results(tmp_path / "s.duckdb") as results, pytest.raises(StoreError) as raised:
-        results.table("SELECT nothing FROM trials")
+        results.asked("SELECT nothing FROM trials")
     assert "nothing" in str(raised.value) and "\n" not in str(raised.value)
 
 

@@ -10,7 +10,7 @@ import pytest
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.batch.experiment_file import load_experiment
 from sumo_reactive.experiment.batch.scouting import Departure, drawn_egos, scout
-from sumo_reactive.experiment.batch.trial_key import digest_of_files, key_of
+from sumo_reactive.experiment.batch.trial_key import _digest_of_files, key_of
 from sumo_reactive.experiment.batch.trials import trials_of
 from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.experiment.process.task import Task
@@ -75,7 +75,7 @@ def test_a_key_depends_on_contents_and_not_on_where_they_lie(tmp_path):
     (routes,) = folder.glob("*.rou.xml")
     with routes.open("a", encoding="utf-8") as file:
         file.write("<!-- another -->")
-    digest_of_files.cache_clear()
+    _digest_of_files.cache_clear()
     assert key_of(Task(here)) != key_of(Task(moved))
 
 

@@ -82,7 +82,7 @@ def test_the_distribution_shows_every_trial_in_its_group(trials):
 
 def test_what_is_varied_stands_with_its_scenario_and_the_baseline(trials):
     town, land = (next(one for one in trials if one.scenario == name) for name in ("town.toml", "land.toml"))
-    varied = [one._replace(driver="reactive", parameters='{"STUCK_S": 5.0}') for one in (town, land)]
+    varied = [one._replace(driver="reactive", varied="STUCK_S=5.0") for one in (town, land)]
     figure = distribution_figure([*varied, town, land], "duration_s", short_names(trials))
     assert list(figure.layout.yaxis.categoryarray)[::-1] == ["town STUCK_S=5.0", "town", "land STUCK_S=5.0", "land"]
 

@@ -1,4 +1,4 @@
-"""Workers on this machine or on a cluster, through dask.distributed."""
+"""Workers that a dask scheduler has, on whatever machines."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from typing import Any
 
 import dask
-from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed import Client, Future, KilledWorker, as_completed
 
 from sumo_reactive.errors import ClusterError, ReactiveError
-from sumo_reactive.experiment.batch.worker import Order, Report, run_order, stop_batch
+from sumo_reactive.experiment.batch.worker import Order, Report, run_order_apart, stop_batch
 from sumo_reactive.experiment.process.task import Ending, Outcome
 from sumo_reactive.parameters import SCHEDULER_PATIENCE_S
 
@@ -42,7 +42,7 @@ class Cluster:
 
     def reports(self, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
         """Yield the number of an order and what became of it, as they come in; raise ClusterError if the cluster is lost."""
-        futures = self._client.map(run_order, list(orders), key=[f"{self.batch}-{k}" for k in range(len(orders))])
+        futures = self._client.map(run_order_apart, list(orders), key=[f"{self.batch}-{k}" for k in range(len(orders))])
         numbers = {future.key: k for k, future in enumerate(futures)}
         waiting = as_completed(futures, raise_errors=False)
         futures.clear()
@@ -74,9 +74,11 @@ class Cluster:
 
 
 @contextmanager
-def cluster(workers: int, scheduler: str | None) -> Iterator[Cluster]:
-    """Give workers: `workers` processes here, or those of a scheduler that runs at an address; their trials end with it."""
-    with dask.config.set(_QUIET), _client(workers, scheduler) as client:
+def cluster(scheduler: str) -> Iterator[Cluster]:
+    """Give the workers of a scheduler that runs at an address; their trials end with it. Raises ClusterError."""
+    for name in ("distributed", *(one for one in logging.root.manager.loggerDict if one.startswith("distributed."))):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    with dask.config.set(_QUIET), _reached(scheduler) as client:
         found = Cluster(client)
         try:
             yield found
@@ -84,29 +86,8 @@ def cluster(workers: int, scheduler: str | None) -> Iterator[Cluster]:
             found.stop()
 
 
-@contextmanager
-def _client(workers: int, scheduler: str | None) -> Iterator[Client]:
-    for name in ("distributed", *(one for one in logging.root.manager.loggerDict if one.startswith("distributed."))):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    if scheduler is not None:
-        with _reached(scheduler) as client:
-            yield client
-        return
-    with _local(workers) as local, Client(local) as client:
-        yield client
-
-
-def _local(workers: int) -> LocalCluster:
-    try:
-        return LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=logging.CRITICAL
-        )
-    except (OSError, RuntimeError) as error:
-        raise ClusterError(f"the workers cannot be started: {' '.join(str(error.__cause__ or error).split())}") from error
-
-
 def _reached(scheduler: str) -> Client:
     try:
         return Client(scheduler, timeout=SCHEDULER_PATIENCE_S)
-    except (OSError, ValueError, TimeoutError) as error:
+    except (OSError, ValueError, TypeError, RuntimeError, TimeoutError) as error:
         raise ClusterError(f"no scheduler at '{scheduler}': {' '.join(str(error).split())}") from error

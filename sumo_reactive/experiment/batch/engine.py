@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import Protocol
 
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.batch.cluster import cluster
+from sumo_reactive.errors import ClusterError, ScenarioError
 from sumo_reactive.experiment.batch.experiment_file import Experiment
+from sumo_reactive.experiment.batch.here import here
 from sumo_reactive.experiment.batch.scouting import SCOUT, Departure
 from sumo_reactive.experiment.batch.store import Store
 from sumo_reactive.experiment.batch.trial_key import key_of_scouting, release
@@ -27,6 +28,19 @@ class Watcher(Protocol):
 
     def ended(self, trial: Trial, report: Report) -> None:
         """A trial has ended, and is stored."""
+
+
+class Workers(Protocol):
+    """Who runs trials; `batch` names this use of them."""
+
+    batch: str
+
+    @property
+    def workers(self) -> int:
+        """How many trials run at the same time."""
+
+    def reports(self, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
+        """Yield the number of an order and what became of it, as they come in."""
 
 
 def scouted(experiment: Experiment, scenario: Scenario, store: Store | None) -> list[Departure]:
@@ -52,10 +66,18 @@ def run_batch(
     if not trials:
         return
     keys, sources = experiment.keys, release()["sources"]
-    with cluster(min(workers, len(trials)), scheduler) as found:
+    with here(min(workers, len(trials))) if scheduler is None else _cluster(scheduler) as found:
         watcher.started(found.workers)
         orders = [Order(trial.task, keys.wall_limit_s, keys.retries, found.batch, sources) for trial in trials]
         for number, report in found.reports(orders):
             trial, outcome = trials[number], report.outcome
             store.put(trial, replace(outcome, task=trial.task), report.attempts)
             watcher.ended(trial, report)
+
+
+def _cluster(scheduler: str) -> AbstractContextManager[Workers]:
+    try:
+        from sumo_reactive.experiment.batch.cluster import cluster
+    except ModuleNotFoundError as error:
+        raise ClusterError("--scheduler needs dask: pip install 'sumo-reactive[cluster]'") from error
+    return cluster(scheduler)

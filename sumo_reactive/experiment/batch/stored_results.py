@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import duckdb
 
 from sumo_reactive.errors import StoreError
-from sumo_reactive.experiment.batch.store import connected
+from sumo_reactive.experiment.batch.store_file import connected, told
 from sumo_reactive.experiment.comparison.statistics import Interval, interval_of
 from sumo_reactive.experiment.io_errors import as_os_errors
 from sumo_reactive.experiment.metric_names import METRICS
@@ -20,7 +20,7 @@ from sumo_reactive.writing import whole_file
 
 _GROUP = "scenario, driver, parameters, options"
 _VALUES = f"""
-SELECT {_GROUP}, count(*) AS planned, count(ending) AS finished, count(*) FILTER (ending = 'done') AS done, {{values}}
+SELECT {_GROUP}, count(*) AS planned, count(ending) AS finished, count(*) FILTER (ending = 'done') AS done {{values}}
 FROM plan LEFT JOIN trials USING (key)
 LEFT JOIN (PIVOT (SELECT key, name, value FROM metrics) ON name IN ({{names}}) USING first(value) GROUP BY key) USING (key)
 GROUP BY {_GROUP} ORDER BY min(number)
@@ -51,12 +51,23 @@ class Group(NamedTuple):
     means: tuple[Mean | None, ...]
 
 
-class Results:
-    """A store open for reading; a context manager. Raises StoreError for what cannot be read or asked."""
+class Table(NamedTuple):
+    """Names of the columns, and rows; `is_cut`: there are more rows."""
 
-    def __init__(self, path: Path) -> None:
+    columns: tuple[str, ...]
+    rows: list[tuple[Any, ...]]
+    is_cut: bool = False
+
+
+class Results:
+    """A store open for reading; a context manager. Raises StoreError for what cannot be read or asked.
+
+    It gets at no file but the store and `files`.
+    """
+
+    def __init__(self, path: Path, files: Sequence[str] = ()) -> None:
         self._path = path
-        self._database = connected(path, read_only=True)
+        self._database = connected(path, read_only=True, files=files)
 
     def __enter__(self) -> Results:
         return self
@@ -69,56 +80,88 @@ class Results:
         for name in asked:
             if name not in METRICS:
                 raise StoreError(f"unknown metric '{name}'{nearest(name, METRICS)}")
-        shown = self._database.execute("SELECT name FROM shown ORDER BY number").fetchall()
-        return list(asked) or [name for (name,) in shown]
+        return list(asked) or [name for (name,) in self._rows("SELECT name FROM shown ORDER BY number")]
 
     @property
     def progress(self) -> tuple[int, int]:
         """How many planned trials are finished, and how many there are."""
-        query = "SELECT count(ending), count(*) FROM plan LEFT JOIN trials USING (key)"
-        finished, planned = self._database.execute(query).fetchall()[0]
+        finished, planned = self._rows("SELECT count(ending), count(*) FROM plan LEFT JOIN trials USING (key)")[0]
         return int(finished), int(planned)
 
     def groups(self, metrics: Sequence[str]) -> list[Group]:
         """Return the means of the finished trials, group by group in the order of the plan."""
-        names = ", ".join(f"'{name}'" for name in metrics)
-        values = ", ".join(f'list("{name}" ORDER BY number) FILTER ("{name}" IS NOT NULL)' for name in metrics)
-        rows = self._database.execute(_VALUES.format(names=names, values=values)).fetchall()
+        names = ", ".join(f"'{name}'" for name in metrics) or "''"
+        values = "".join(f', list("{name}" ORDER BY number) FILTER ("{name}" IS NOT NULL)' for name in metrics)
         return [
-            Group(row[0], row[1], _varied(row[2], row[3]), row[6], row[5], tuple(_mean(one) for one in row[7:]))
-            for row in rows
+            Group(row[0], row[1], self.varied(row[2], row[3]), row[6], row[5], tuple(_mean(one) for one in row[7:]))
+            for row in self._rows(_VALUES.format(names=names, values=values))
             if row[0] is not None
         ]
 
-    def table(self, query: str | None) -> duckdb.DuckDBPyRelation:
-        """Return what a query gives; without one, a row a finished trial with a column a metric."""
-        try:
-            return self._database.sql(query or self._wide())
-        except duckdb.Error as error:
-            raise StoreError(f"{self._path}: {' '.join(str(error).splitlines()[0].split())}") from error
+    def trials(self) -> Table:
+        """Return a row a finished trial with a column a metric, in the order of the plan."""
+        return self.asked(self._wide())
+
+    def happened(self, key: str) -> list[tuple[Any, ...]]:
+        """Return time (s), kind, user, lane and entry of what happened in a trial, in order of time."""
+        return self._rows("SELECT time_s, kind, user_id, lane_id, entry FROM events WHERE key = ? ORDER BY time_s", [key])
+
+    def asked(self, query: str, most: int | None = None) -> Table:
+        """Return what one query gives, at most so many rows of it."""
+        with told(self._path):
+            self._require_table(query)
+            found = self._database.execute(query)
+            columns = tuple(name for name, *_ in found.description or ())
+            rows = found.fetchall() if most is None else found.fetchmany(most + 1)
+        return Table(columns, rows[:most], most is not None and len(rows) > most)
+
+    def write(self, query: str | None, part: str, form: str) -> None:
+        """Write what a query gives (None: a row a trial) to one of `files` as `csv` or `parquet`; raise `duckdb.Error`."""
+        with told(self._path):
+            if query:
+                self._require_table(query)
+            table = self._database.sql(query or self._wide())
+        (table.write_csv if form == "csv" else table.write_parquet)(part)
+
+    def _require_table(self, query: str) -> None:
+        query.encode()  # an argument that is no text has no place in it that DuckDB could name
+        statements = self._database.extract_statements(query)
+        if len(statements) != 1 or duckdb.ExpectedResultType.QUERY_RESULT not in statements[0].expected_result_type:
+            raise StoreError(f"{self._path}: not one query that gives a table")
 
     def _wide(self) -> str:
-        found = self._database.execute("SELECT DISTINCT name FROM metrics").fetchall()
-        names = sorted((name for (name,) in found), key=lambda name: list(METRICS).index(name) if name in METRICS else 99)
-        return _WIDE.format(names=", ".join(f"'{name}'" for name in names) or "''")
+        found = [name for (name,) in self._rows("SELECT DISTINCT name FROM metrics")]
+        names = sorted(found, key=lambda name: (list(METRICS).index(name) if name in METRICS else len(METRICS), name))
+        return _WIDE.format(names=", ".join("'{}'".format(name.replace("'", "''")) for name in names) or "''")
+
+    def _rows(self, query: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
+        with told(self._path):
+            return self._database.execute(query, list(values)).fetchall()
+
+    def varied(self, *parts: str) -> str:
+        """Return parameters and options of a trial in words."""
+        try:
+            return " ".join(f"{name}={value}" for part in parts for name, value in json.loads(part).items())
+        except (ValueError, RecursionError) as error:
+            raise self.damaged("parameters or options of a trial are none") from error
+
+    def damaged(self, how: str) -> StoreError:
+        """Return the error that tells of a value which no batch writes."""
+        return StoreError(f"{self._path}: a damaged store: {how}")
 
 
 def _mean(values: list[float] | None) -> Mean | None:
     return Mean(len(values), sum(values) / len(values), interval_of(values)) if values else None
 
 
-def _varied(*parts: str) -> str:
-    return " ".join(f"{name}={value}" for part in parts for name, value in json.loads(part).items())
-
-
-def written(table: duckdb.DuckDBPyRelation, csv: Path | None, parquet: Path | None) -> None:
-    """Write a table to the files asked for; raise StoreError or OutputError if one cannot be written."""
-    writers: list[tuple[Path | None, Any]] = [(csv, table.write_csv), (parquet, table.write_parquet)]
-    for path, write in writers:
-        if path is None:
-            continue
+def written(store: Path, query: str | None, target: Path, form: str) -> None:
+    """Write what a query of a store gives as `csv` or `parquet`, whole or not at all; raise StoreError or OutputError."""
+    with whole_file(target) as partial, as_os_errors():
+        part = partial.resolve()
         try:
-            with whole_file(path) as partial, as_os_errors():
-                write(str(partial))
+            with Results(store, (str(part), str(part.with_name(f"tmp_{part.name}")))) as results:
+                results.write(query, str(part), form)
+        except duckdb.IOException:
+            raise
         except duckdb.Error as error:
-            raise StoreError(f"{path}: cannot be written: {' '.join(str(error).splitlines()[0].split())}") from error
+            raise StoreError(f"{target}: cannot be written: {' '.join(str(error).splitlines()[0].split())}") from error

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.scenario import Scenario
 from sumo_reactive.experiment.trial import versions
 from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.input_files import inputs_of, words_of
 from sumo_reactive.sumo.option_names import INPUT_FILES, OUTPUT_FILES
 
 _ROOMS_APART = ("cli", "report")
@@ -21,7 +25,7 @@ def key_of(task: Task) -> str:
     """Return the key of a task; raise what reading its scenario raises."""
     scenario = task.scenario
     parts = {
-        "files": digest_of_files(scenario.config),
+        "files": digest_of_files(scenario.config, scenario.sumo_options),
         "ego": scenario.ego,
         "seed": scenario.seed,
         "step_length_s": scenario.step_length_s,
@@ -41,25 +45,31 @@ def key_of(task: Task) -> str:
 
 def key_of_scouting(scenario: Scenario) -> str:
     """Return the key of a scenario under SUMO's own drivers alone: which trips there are to draw from."""
-    files, options = digest_of_files(scenario.config), scenario.sumo_options
+    files, options = digest_of_files(scenario.config, scenario.sumo_options), scenario.sumo_options
     parts = (files, scenario.seed, scenario.step_length_s, scenario.until_s, options, release()["sumo"])
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
+def digest_of_files(config_file: Path, sumo_options: Sequence[str] = ()) -> str:
+    """Return a digest of what a configuration says, of all files that SUMO reads for it, and of the variables in them.
+
+    Contents count, names do not. Raises ScenarioError for a file that cannot be read. Each file is read once a process.
+    """
+    return _digest_of_files(config_file, words_of(sumo_options))
+
+
 @cache
-def digest_of_files(config_file: Path) -> str:
-    """Return a digest of what a configuration says and of the contents of the files it reads, whatever their names."""
+def _digest_of_files(config_file: Path, words: tuple[str, ...]) -> str:
     config = read_config(config_file)
-    digest = hashlib.sha256()
-    for name, value in sorted(config.options.items()):
-        if name not in INPUT_FILES and name not in OUTPUT_FILES:
-            digest.update(f"{name}={value}\n".encode())
-    for name in sorted(INPUT_FILES & set(config.options)):
-        digest.update(f"{name}\n".encode())
-        for part in config.options[name].split(","):
-            file = config_file.absolute().parent / part.strip()
-            digest.update(hashlib.sha256(file.read_bytes() if file.is_file() else part.encode()).digest())
-    return digest.hexdigest()
+    try:
+        inputs = inputs_of(config_file, words)
+    except OSError as error:
+        raise ScenarioError(f"{error.filename or config_file}: cannot be read: {error.strerror}") from error
+    said = {name: value for name, value in config.options.items() if name not in INPUT_FILES and name not in OUTPUT_FILES}
+    asked = sorted(INPUT_FILES & set(config.options))
+    variables = {name: os.environ.get(name) for name in inputs.variables}
+    parts = (said, asked, len(inputs.files), inputs.digest, variables)
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 @cache

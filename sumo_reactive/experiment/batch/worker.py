@@ -1,4 +1,4 @@
-"""What a worker of the cluster does: it hands a task to a process of its own, again after a crash, and reports."""
+"""What a worker does: it hands a task to a process of its own, again after a crash, and reports."""
 
 from __future__ import annotations
 
@@ -36,12 +36,7 @@ _stopped: set[str] = set()
 
 
 def run_order(order: Order) -> Report:
-    """Run an order; raise ClusterError if this worker has other sources than whoever gave it."""
-    from sumo_reactive.experiment.batch.trial_key import release
-
-    if (here := release()["sources"]) != order.sources:
-        raise ClusterError(f"a worker has sumo_reactive with sources {here}, this process {order.sources}: install the same")
-    os.environ.pop(VARIABLE, None)  # the task names every parameter that counts
+    """Run an order."""
     attempts = 0
     while True:
         attempts += 1
@@ -49,6 +44,16 @@ def run_order(order: Order) -> Report:
         again = outcome.ending in (Ending.CRASHED, Ending.TIMEOUT) and attempts <= order.retries
         if not again or order.batch in _stopped:
             return Report(outcome, attempts)
+
+
+def run_order_apart(order: Order) -> Report:
+    """Run an order of another process; raise ClusterError if this one has other sources than whoever gave it."""
+    from sumo_reactive.experiment.batch.trial_key import release
+
+    if (here := release()["sources"]) != order.sources:
+        raise ClusterError(f"a worker has sumo_reactive with sources {here}, this process {order.sources}: install the same")
+    os.environ.pop(VARIABLE, None)  # the task names every parameter that counts
+    return run_order(order)
 
 
 def stop_batch(batch: str) -> None:

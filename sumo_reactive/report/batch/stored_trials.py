@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sumo_reactive.experiment.batch.stored_events import COLLISION, DECISION, EMERGENCY, HARD_BRAKING
 from sumo_reactive.experiment.batch.stored_results import Results
@@ -15,23 +15,23 @@ from sumo_reactive.experiment.process.task import Ending
 from sumo_reactive.experiment.result import Collision, Fault, HardBrake, Violation
 from sumo_reactive.experiment.trace import Entry, entry_of
 
-_COLUMNS = ("key", "scenario", "ego", "seed", "driver", "parameters", "options", "ending", "reason", "verdict", "replay")
+_COLUMNS = ("key", "scenario", "ego", "seed", "driver", "options", "ending", "reason", "verdict", "replay")
 
 
 class StoredTrial(NamedTuple):
-    """A finished trial; `parameters` and `options` are what the experiment varies, `metrics` without those it lacks."""
+    """A finished trial; `varied` tells its parameters and options in words, `metrics` is without those it lacks."""
 
     key: str
     scenario: str
     ego: str
     seed: int
     driver: str
-    parameters: str
     options: str
     ending: str
     reason: str
     verdict: str
     replay: str
+    varied: str
     metrics: Mapping[str, float]
 
     @property
@@ -43,12 +43,6 @@ class StoredTrial(NamedTuple):
     def name(self) -> str:
         """Scenario, ego and seed, as on a pair's point."""
         return f"{self.scenario}, {self.ego or 'own ego'}, seed {self.seed}"
-
-    @property
-    def varied(self) -> str:
-        """Parameters and options in words."""
-        varied = {**json.loads(self.parameters), **json.loads(self.options)}
-        return " ".join(f"{name}={value}" for name, value in varied.items())
 
 
 class Pair(NamedTuple):
@@ -68,17 +62,14 @@ class Pair(NamedTuple):
 
 def trials_in(results: Results) -> list[StoredTrial]:
     """Return the finished trials in the order of the plan."""
-    found = results.table(None)
-    names = list(found.columns)
-    rows = [dict(zip(names, row, strict=True)) for row in found.fetchall()]
-    return [_trial(row) for row in rows]
+    found = results.trials()
+    return [_trial(results, dict(zip(found.columns, row, strict=True))) for row in found.rows]
 
 
-def _trial(row: Mapping[str, object]) -> StoredTrial:
-    metrics = {name: float(str(row[name])) for name in METRICS if row.get(name) is not None}
-    told = {name: row[name] for name in _COLUMNS if name != "seed"}
-    texts = {name: "" if value is None else str(value) for name, value in told.items()}
-    return StoredTrial(**texts, seed=int(str(row["seed"])), metrics=metrics)
+def _trial(results: Results, row: Mapping[str, Any]) -> StoredTrial:
+    metrics = {name: float(row[name]) for name in METRICS if row.get(name) is not None}
+    told: dict[str, Any] = {name: "" if row[name] is None else row[name] for name in _COLUMNS}
+    return StoredTrial(**told, varied=results.varied(row["parameters"], row["options"]), metrics=metrics)
 
 
 def pairs_of(trials: Sequence[StoredTrial]) -> list[Pair]:
@@ -94,13 +85,15 @@ def _trip(trial: StoredTrial) -> tuple[str, str, int, str]:
 
 
 def happenings(results: Results, key: str) -> tuple[list[Entry], list[Fault]]:
-    """Return the pilot's entries and the ego's faults in a trial, in order of time."""
-    digest = "".join(letter for letter in key if letter.isalnum())
-    rows = results.table(
-        f"SELECT time_s, kind, user_id, lane_id, entry FROM events WHERE key = '{digest}' ORDER BY time_s"
-    ).fetchall()
-    entries = [entry_of(json.loads(entry)) for *_, entry in rows if entry is not None]
+    """Return the pilot's entries and the ego's faults in a trial, in order of time; raise StoreError for what is neither."""
+    rows = results.happened(key)
+    try:
+        entries = [entry_of(json.loads(entry)) for *_, entry in rows if entry is not None]
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise results.damaged(f"a decision of trial {key[:12]} is none") from error
     told = [row[:4] for row in rows if row[1] not in (DECISION, EMERGENCY)]
+    if any(value is None for row in told for value in row):
+        raise results.damaged(f"an event of trial {key[:12]} is none")
     return entries, [_fault(*row) for row in told]
 
 

@@ -12,6 +12,7 @@ import duckdb
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.recorder import TRAJECTORY
 from sumo_reactive.experiment.result import Collision, Fault, HardBrake, Violation
+from sumo_reactive.experiment.sealed import parquet_rows
 from sumo_reactive.messages.decision import Behaviour
 from sumo_reactive.report.recording import Recording
 
@@ -19,6 +20,9 @@ NEEDED = (
     "time_s", "x_m", "y_m", "speed_m_s", "lane_id", "s_m", "desired_speed_m_s", "stop_m", "u", "u1", "u2", "u3", "leader",
     "gap_m", "behaviour", "emergency",
 )  # fmt: skip
+
+MAX_STEPS = 1_000_000
+"""More than a day in steps of 0.1 s."""
 
 DECIMALS = 4
 """Enough for a picture; the record has the rest."""
@@ -64,7 +68,7 @@ def read_steps(recording: Recording) -> Steps:
     """Read the trajectory of a run; raise ScenarioError for one that lacks a column or a step."""
     path = recording.folder / TRAJECTORY
     try:
-        rows = duckdb.read_parquet(str(path)).order("time_s").project(", ".join(NEEDED)).fetchall()
+        rows = parquet_rows(path, f"SELECT {', '.join(NEEDED)} FROM steps ORDER BY time_s", MAX_STEPS)
     except duckdb.Error as error:
         raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
     if not rows:
