@@ -71,9 +71,12 @@ def test_following_in_a_lane_is_no_encroachment(jury):
     assert jury.figures()["min_post_encroachment_s"] is None
 
 
-@pytest.mark.parametrize(("letter", "runs"), [("r", 1), ("u", 1), ("s", 0), ("g", 0), ("y", 0), ("", 0)])
-def test_a_stop_line_crossed_on_red_is_a_red_light_run(jury, letter, runs):
-    jury.see(Scene(record(light=letter), ()))
+@pytest.mark.parametrize(
+    ("letters", "runs"),
+    [("rr", 1), ("RR", 1), ("uu", 1), ("ur", 1), ("ss", 0), ("gg", 0), ("yy", 0), ("yr", 0), ("rg", 0), ("ug", 0), ("", 0)],
+)
+def test_a_stop_line_crossed_on_red_before_the_step_and_in_it_is_a_red_light_run(jury, letters, runs):
+    jury.see(Scene(record(), (), letters))
     assert len(jury.violations) == jury.figures()["red_lights_run"] == runs
 
 

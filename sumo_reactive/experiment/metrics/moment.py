@@ -29,7 +29,7 @@ class Moment(NamedTuple):
     `duration` is the time since the last step (s, NaN at first), `acceleration` the ego's since then (m/s²). `users` are
     all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `touches` whether each box and the ego's
     overlap, `times_to_collision` what it says (s, infinite: none). `slowing` maps those that slow down to their
-    acceleration (m/s², negative).
+    acceleration (m/s², negative). `crossed` is the scene's.
     """
 
     step: StepRecord
@@ -42,6 +42,7 @@ class Moment(NamedTuple):
     touches: Sequence[float]
     times_to_collision: Sequence[float]
     slowing: Mapping[str, float]
+    crossed: str
 
     @property
     def hardest_braking(self) -> float:
@@ -75,7 +76,8 @@ class Watch:
             name: (speed - before[name]) / duration for name, speed in speeds.items() if speed < before.get(name, 0.0)
         }
         self._last, self._speeds = step, speeds
-        return Moment(step, duration, acceleration, self._length, self._width, near, boxes, touches, times, slowing)
+        size = self._length, self._width
+        return Moment(step, duration, acceleration, *size, near, boxes, touches, times, slowing, scene.crossed)
 
     def _contacts(self, step: StepRecord, boxes: Array) -> tuple[Sequence[float], Sequence[float]]:
         own = np.array([step.x, step.y, step.heading, step.speed, self._length, self._width])
