@@ -89,6 +89,13 @@ def test_a_follower_that_brakes_hard_is_caused_by_the_ego_once(jury):
     assert jury.figures()["hard_braking_caused"] == 1
 
 
+@pytest.mark.parametrize(("braking", "caused"), [(4.5, 0), (4.7, 1)])
+def test_braking_is_hard_if_it_is_harder_than_sumos_cars_brake_in_comfort(jury, braking, caused):
+    others = lambda t: [user(x=-30.0, speed=15.0 - braking * max(t - 0.1, 0.0))]  # noqa: E731
+    drive(jury, lambda t: record(t, speed=5.0), others, 6)
+    assert jury.figures()["hard_braking_caused"] == caused
+
+
 def test_a_car_on_another_lane_is_not_the_egos_follower(jury):
     drive(jury, lambda t: record(t, speed=5.0), _brakes_behind(-30.0, y=3.2), 5)
     assert jury.figures()["hard_braking_caused"] == 0
