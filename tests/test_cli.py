@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -154,15 +153,17 @@ def test_quiet_prints_the_verdict_only():
 
 @pytest.mark.parametrize("interrupt", [signal.SIGINT, signal.SIGKILL], ids=lambda one: one.name)
 def test_a_run_cut_short_leaves_no_record(tmp_path, tmp_path_factory, interrupt):
-    scratch = tmp_path_factory.mktemp("scratch")
+    """SUMO writes into a pipe: the run goes on only as far as that is read, and is cut short at a step of its own."""
+    steps = tmp_path_factory.mktemp("steps") / "fcd.xml"
+    os.mkfifo(steps)
     city = ROOT / "scenarios" / "city_grid.toml"
     command = [sys.executable, "-m", "sumo_reactive", "run", str(city), "--until-end", "--out", str(tmp_path / "out")]
-    environment = os.environ | {"TMPDIR": str(scratch)}
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, encoding="utf-8", env=environment) as process:
-        while not list(scratch.iterdir()) and process.poll() is None:  # SUMO's own folder: the run has begun
-            time.sleep(0.05)
-        time.sleep(0.5)
-        process.send_signal(interrupt)
+    command += ["--", "--fcd-output", str(steps)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, encoding="utf-8") as process:
+        with steps.open(encoding="utf-8") as simulated:
+            assert any(line.strip().startswith('<timestep time="20.') for line in simulated)
+            process.send_signal(interrupt)
+            simulated.read()
         _, message = process.communicate(timeout=60)
     assert process.returncode == (130 if interrupt is signal.SIGINT else -signal.SIGKILL)
     assert interrupt is signal.SIGKILL or message.endswith("sumo-reactive: interrupted\n")

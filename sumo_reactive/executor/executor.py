@@ -191,7 +191,7 @@ def _braking_in_bend(snapshot: Snapshot, completed: CompletedPlan, limits: Vehic
     curve, ego, planned = completed.plan.curve, snapshot.ego, limits.planned_deceleration
     error = wrapped(ego.pose.heading + ego.steering_angle - curve.heading_at(snapshot.s))
     lateral = BEND_SHARE * limits.max_lateral_acceleration
-    held = max(BEND_ROOM_M, abs(snapshot.d) + SLIGHTLY_M[ego.acceleration < -planned - HARDER_BY])
+    held = max(BEND_ROOM_M, abs(snapshot.d) + SLIGHTLY_M[bool(ego.acceleration < -planned - HARDER_BY)])
     for rate in (least, 0.5 * (least + limits.emergency_deceleration)):
         away = carried_out(curve.curvature, curve.step, snapshot.s, snapshot.d, error, ego.speed, rate, lateral)
         if away <= held:

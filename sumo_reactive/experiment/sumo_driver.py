@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import tempfile
 from collections import deque
@@ -9,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sumo_reactive.errors import SimulationError
+from sumo_reactive.errors import NetworkError, SimulationError
 from sumo_reactive.experiment.metrics import Jury
 from sumo_reactive.experiment.metrics.moment import JUDGED_REACH_M, Figures
 from sumo_reactive.experiment.result import Override, TrialResult
@@ -19,11 +20,13 @@ from sumo_reactive.experiment.trial import find_ego, versions
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import RoadUser
 from sumo_reactive.parameters import STANDING_SPEED, STUCK_S
+from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.option_names import canonical
 from sumo_reactive.sumo.outputs import AS_READ, TripInfo, trip_of
 from sumo_reactive.sumo.session import Progress
 from sumo_reactive.sumo.spectator import Spectator, View
 from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.world.road_graph import RoadGraph
 
 Observer = Callable[[Scene], None]
 
@@ -35,7 +38,7 @@ TURN_S = 1.0
 
 TRIP_OUTPUT = "tripinfo-output"
 
-_NOT_JUDGED = ("red_lights_run", "right_of_way_violations", "off_road_s", "emergencies", "emergency_s")
+_NOT_JUDGED = ("off_road_s", "emergencies", "emergency_s")
 _NOT_JUDGED_KINDS = ("pilot_", "events_")
 
 _UNKNOWN = StepRecord(
@@ -53,8 +56,8 @@ def run_sumo_driver(
     """Run the scenario in this process with the ego in SUMO's hands until it has arrived; return the judged result.
 
     SUMO is started as `run_trial` starts it. Departure, arrival, duration, distance and time loss are those of SUMO's
-    `tripinfo` of the ego. What only this project's driver has, and the rules of the road, are None among the figures; one
-    figure is added, how often SUMO has teleported the ego. Raises what `run_trial` raises.
+    `tripinfo` of the ego. What only this project's driver has is None among the figures, and so is the right of way in a
+    network that cannot be read; one figure is added, how often SUMO has teleported the ego. Raises what `run_trial` raises.
     """
     with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
         options, trips = _trip_output(scenario.sumo_options, Path(folder))
@@ -86,12 +89,41 @@ def _given(sumo_options: Sequence[str]) -> dict[str, str]:
     return given
 
 
+class _World:
+    """The roads around the ego's route, which the right of way is judged on; it may take another route on its way."""
+
+    def __init__(self, net_file: Path, jury: Jury) -> None:
+        self._jury = jury
+        self._net: NetFile | None = None
+        self._graph: RoadGraph | None = None
+        self._route: tuple[str, ...] = ()
+        with contextlib.suppress(NetworkError):
+            self._net = read_net(net_file)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the network could be read."""
+        return self._net is not None
+
+    def follow(self, route: tuple[str, ...]) -> None:
+        """Judge in the world around the edges that the ego has still to drive."""
+        if self._net is not None and route and self._route[-len(route) :] != route:
+            self._route, self._graph = route, self._net.build(route)
+            self._jury.enter(self._graph)
+
+    def placed(self, user: RoadUser) -> RoadUser:
+        """Return a user with its position measured along the lane as the world has it, m."""
+        lane = self._graph.lanes.get(user.lane_id) if self._graph else None
+        return user if lane is None else user._replace(lane_position=user.lane_position * lane.scale)
+
+
 @dataclass
 class _Watch:
     """What has been seen of a trip; times by SUMO's clock, s."""
 
     spectator: Spectator
     jury: Jury
+    world: _World
     chosen: str
     step_length: float
     begin: float
@@ -107,7 +139,8 @@ def _watched(start: Started, scenario: Scenario, observer: Observer | None, prog
     spectator = Spectator(ego, JUDGED_REACH_M)
     limits = spectator.limits
     jury = Jury(limits.length, limits.width, limits.wheelbase)
-    watch = _Watch(spectator, jury, chosen, session.step_length, start.begin, session.time, session.time)
+    world = _World(start.config.net_file, jury)
+    watch = _Watch(spectator, jury, world, chosen, session.step_length, start.begin, session.time, session.time)
     until = scenario.end_after(watch.departure)
     moved, headings = session.time, deque[tuple[float, float]]()
     while not watch.ended:
@@ -116,8 +149,9 @@ def _watched(start: Started, scenario: Scenario, observer: Observer | None, prog
         view = spectator.look()
         if view is not None:
             moved = watch.end if view.own.speed >= STANDING_SPEED else moved
+            world.follow(view.own.route)
             scene = _scene(view, watch.end, headings, limits)
-            jury.see(scene)
+            jury.see(scene._replace(users=tuple(map(world.placed, scene.users))))
             if observer is not None:
                 observer(scene)
         if progress is not None:
@@ -145,7 +179,7 @@ def _scene(view: View, time: float, headings: deque[tuple[float, float]], limits
         time=time, x=own.x, y=own.y, heading=own.heading, speed=own.speed, lane_id=own.lane_id,
         steering_angle=_steering_angle(own, time, headings[0], limits.wheelbase),
     )  # fmt: skip
-    return Scene(record, view.others)
+    return Scene(record, view.others, view.crossed)
 
 
 def _steering_angle(own: RoadUser, time: float, before: tuple[float, float], wheelbase: float) -> float:
@@ -176,6 +210,7 @@ def _result(scenario: Scenario, watch: _Watch, trip: TripInfo, overrides: tuple[
         figures=_figures(watch),
         timing={},
         collisions=watch.jury.collisions,
+        violations=watch.jury.violations,
         hard_brakes=watch.jury.hard_brakes,
         overrides=overrides,
         versions=versions(),
@@ -185,5 +220,6 @@ def _result(scenario: Scenario, watch: _Watch, trip: TripInfo, overrides: tuple[
 def _figures(watch: _Watch) -> Figures:
     """Return the judges' figures, None for what nobody judges where SUMO drives."""
     judged = watch.jury.figures()
-    unknown = {name for name in judged if name in _NOT_JUDGED or name.startswith(_NOT_JUDGED_KINDS)}
+    not_judged = _NOT_JUDGED if watch.world.is_known else (*_NOT_JUDGED, "right_of_way_violations")
+    unknown = {name for name in judged if name in not_judged or name.startswith(_NOT_JUDGED_KINDS)}
     return {**judged, **dict.fromkeys(unknown), "teleports": watch.spectator.teleports}

@@ -33,6 +33,7 @@ from sumo_reactive.sumo.overlooked import overlooked
 from sumo_reactive.sumo.route_window import RouteWindow
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
+from sumo_reactive.sumo.stop_lines import StopLines
 from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, haunt, left_behind
 from sumo_reactive.sumo.units import front_of
 from sumo_reactive.world.lane import Lane
@@ -83,6 +84,8 @@ class Trip:
         self._way_round: tuple[tuple[int, str], WayRound | None] = ((-1, ""), None)
         state = self.ego.take_over(session.step_length)
         lane_id = self.ego.lane(state)
+        self._stop_lines = StopLines(sensor.signals)
+        self._stop_lines.crossed(lane_id)
         state = self.ego.laid_along(graph.lanes[lane_id], state)
         start = PlanStart(
             state.pose, state.speed, 0.0, session.time,
@@ -124,7 +127,8 @@ class Trip:
         self._count(step)
         self._drive = self._planned(step)
         self._traffic = self._observe()
-        return Scene(self._record(step, lane_id, order.light, order.control_us), self._traffic.users)
+        record = self._record(step, lane_id, order.light, order.control_us)
+        return Scene(record, self._traffic.users, self._stop_lines.crossed(lane_id))
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""

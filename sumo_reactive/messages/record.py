@@ -61,7 +61,9 @@ class StepRecord(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """All that a judge may look at after a step: the ego's record and every road user near, where SUMO has put them."""
+    """All that a judge may look at after a step: the ego's record, every road user near, where SUMO has put them, and the
+    letters, before the step and in it, of a light whose stop line the ego crosses, as SUMO has it (empty: none crossed)."""
 
     step: StepRecord
     users: tuple[RoadUser, ...]
+    crossed: str = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 from typing import NamedTuple
 
 import libsumo
@@ -18,6 +19,7 @@ from sumo_reactive.parameters import (
 )
 from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.static_obstacles import StaticObstacles
+from sumo_reactive.sumo.stop_lines import Signals, read_signals
 from sumo_reactive.sumo.units import heading_of
 
 ROUTE_AHEAD = 16
@@ -75,6 +77,11 @@ class Sensor:
             self._letters.clear()
             self.static.update()
         return now
+
+    @cached_property
+    def signals(self) -> Signals:
+        """What the lights rule: read once for all egos."""
+        return read_signals()
 
     def letters(self, light_id: str) -> str:
         """Return a light's letters."""

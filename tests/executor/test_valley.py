@@ -59,7 +59,7 @@ def test_the_transform_gives_every_cell_its_taxicab_distance_to_the_nearest_seed
     assert np.array_equal(taxicab_transform(np.where(seeds > 0.0, 0.0, np.inf), 0.25), expected)
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(st.lists(places, max_size=6))
 def test_the_floor_of_the_bitmap_is_on_the_curve_however_near_an_obstacle_is(obstacles):
     half = MIDDLE * CELL
@@ -70,6 +70,7 @@ def test_the_floor_of_the_bitmap_is_on_the_curve_however_near_an_obstacle_is(obs
     assert (np.delete(bitmap, MIDDLE, axis=0) > 0.5 * CELL * VALLEY_ATTRACTION).all()
 
 
+@settings(max_examples=8)
 @given(st.floats(-0.5, 0.5))
 def test_between_two_rows_of_cells_the_bitmap_still_tells_how_far_the_curve_is(aside):
     half = MIDDLE * CELL

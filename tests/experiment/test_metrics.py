@@ -71,9 +71,12 @@ def test_following_in_a_lane_is_no_encroachment(jury):
     assert jury.figures()["min_post_encroachment_s"] is None
 
 
-@pytest.mark.parametrize(("letter", "runs"), [("r", 1), ("u", 1), ("s", 0), ("g", 0), ("y", 0), ("", 0)])
-def test_a_stop_line_crossed_on_red_is_a_red_light_run(jury, letter, runs):
-    jury.see(Scene(record(light=letter), ()))
+@pytest.mark.parametrize(
+    ("letters", "runs"),
+    [("rr", 1), ("RR", 1), ("uu", 1), ("ur", 1), ("ss", 0), ("gg", 0), ("yy", 0), ("yr", 0), ("rg", 0), ("ug", 0), ("", 0)],
+)
+def test_a_stop_line_crossed_on_red_before_the_step_and_in_it_is_a_red_light_run(jury, letters, runs):
+    jury.see(Scene(record(), (), letters))
     assert len(jury.violations) == jury.figures()["red_lights_run"] == runs
 
 
@@ -84,6 +87,13 @@ def _brakes_behind(x, y=0.0):
 def test_a_follower_that_brakes_hard_is_caused_by_the_ego_once(jury):
     drive(jury, lambda t: record(t, speed=5.0), _brakes_behind(-30.0), 5)
     assert jury.figures()["hard_braking_caused"] == 1
+
+
+@pytest.mark.parametrize(("braking", "caused"), [(4.5, 0), (4.7, 1)])
+def test_braking_is_hard_if_it_is_harder_than_sumos_cars_brake_in_comfort(jury, braking, caused):
+    others = lambda t: [user(x=-30.0, speed=15.0 - braking * max(t - 0.1, 0.0))]  # noqa: E731
+    drive(jury, lambda t: record(t, speed=5.0), others, 6)
+    assert jury.figures()["hard_braking_caused"] == caused
 
 
 def test_a_car_on_another_lane_is_not_the_egos_follower(jury):

@@ -62,11 +62,50 @@ def test_the_observer_sees_every_step_of_the_trip():
     assert any(scene.users for scene in scenes)
 
 
-def test_it_is_judged_but_not_on_what_only_this_projects_driver_has_nor_on_the_rules():
+def test_it_is_judged_but_not_on_what_only_this_projects_driver_has():
     metrics = run_sumo_driver(load_scenario(FOUR_WAY)).metrics
-    assert metrics["collisions"] == 0 and metrics["teleports"] == 0
+    assert {metrics[name] for name in ("collisions", "teleports", "red_lights_run", "right_of_way_violations")} == {0}
     assert metrics["max_braking_m_s2"] and metrics["standstill_s"]
-    assert {metrics[name] for name in ("red_lights_run", "emergencies", "pilot_activations", "events_delay")} == {None}
+    assert {metrics[name] for name in ("off_road_s", "emergencies", "pilot_activations", "events_delay")} == {None}
+
+
+def in_a_hurry(folder: Path, name: str, **rudeness: object) -> Scenario:
+    """An own scenario in which the ego's type has these attributes of SUMO's, and the ego departs at 25 s."""
+    source = ROOT / "networks" / name
+    routes = (source / f"{name}.rou.xml").read_text(encoding="utf-8")
+    said = " ".join(f'{key}="{value}"' for key, value in rudeness.items())
+    rude = f'<vType id="rude" length="4.7" width="1.8" sigma="0" {said}/><vehicle id="ego" type="rude"'
+    (folder / f"{name}.rou.xml").write_text(routes.replace('<vehicle id="ego" type="car"', rude), encoding="utf-8")
+    (folder / f"{name}.net.xml").symlink_to(source / f"{name}.net.xml")
+    (folder / f"{name}.sumocfg").symlink_to(source / f"{name}.sumocfg")
+    return replace(load_scenario(folder / f"{name}.sumocfg"), ego="ego")
+
+
+@pytest.mark.parametrize(("patience", "runs"), [(-1.0, 0), (100.0, 1)])
+def test_a_red_light_that_sumos_own_driver_runs_is_told(tmp_path, patience, runs):
+    scenario = in_a_hurry(tmp_path, "signalised_left_turns", jmDriveAfterRedTime=patience)
+    result = run_sumo_driver(scenario)
+    assert result.metrics["red_lights_run"] == runs
+    assert [violation.kind for violation in result.violations] == ["red light run"] * runs
+
+
+@pytest.mark.parametrize(("share", "takes_it"), [(0, False), (1, True)])
+def test_a_right_of_way_that_sumos_own_driver_takes_is_told(tmp_path, share, takes_it):
+    rudeness = {"jmIgnoreFoeProb": share, "jmIgnoreFoeSpeed": 100, "jmIgnoreJunctionFoeProb": share, "jmTimegapMinor": 0}
+    scenario = in_a_hurry(tmp_path, "four_way_priority", **(rudeness if share else {}))
+    result = run_sumo_driver(scenario)
+    assert (result.metrics["right_of_way_violations"] > 0) is takes_it
+    assert any(violation.kind == "right of way taken" for violation in result.violations) is takes_it
+
+
+def test_whoever_walks_before_sumos_own_driver_is_seen_by_its_judges(tmp_path):
+    walker = '<person id="walker" depart="0" departPos="60"><walk edges="from_south" arrivalPos="62" speed="0.01"/></person>'
+    scenario = in_a_hurry(tmp_path, "four_way_priority", jmCrossingGap=0)
+    routes = tmp_path / "four_way_priority.rou.xml"
+    routes.write_text(routes.read_text(encoding="utf-8").replace("<flow", f"{walker}<flow", 1), encoding="utf-8")
+    seen = set[str]()
+    run_sumo_driver(scenario, observer=lambda scene: seen.update(user.id for user in scene.users if user.body.is_person))
+    assert seen == {"walker"}
 
 
 def test_the_same_trial_again_gives_the_same_result():

@@ -67,6 +67,7 @@ def test_sumo_runs_the_cleaned_copy_and_writes_beside_the_original(tmp_path):
     try:
         libsumo.simulationStep()
         assert libsumo.simulation.getDeltaT() == pytest.approx(0.1)
+        assert (libsumo.simulation.getOption("seed"), libsumo.simulation.getOption("random")) == ("42", "false")
     finally:
         libsumo.close()
     assert (tmp_path / "sum.xml").exists()

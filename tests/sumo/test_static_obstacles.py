@@ -1,16 +1,14 @@
 """Polygons and parked vehicles in a real simulation: who is a body, who is a point of O_S, and nobody twice."""
 
-import json
-import subprocess
-import sys
-
+import libsumo
 import numpy as np
 import pytest
 import shapely
 from net_recipes import converted
+from simulations import running, simulated
 
 from sumo_reactive.parameters import OUTLINE_STEP_M, STATIC_SIGHT_M
-from sumo_reactive.sumo.static_obstacles import hull_of, outline
+from sumo_reactive.sumo.static_obstacles import StaticObstacles, StaticView, hull_of, outline
 
 NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="500" y="0"/></nodes>'
 EDGES = '<edges><edge id="ab" from="a" to="b" numLanes="1" speed="13.9"/></edges>'
@@ -22,7 +20,7 @@ ADDITIONAL = """<additional>
 <parkingArea id="bay" lane="ab_0" startPos="150" endPos="180" roadsideCapacity="3"/>
 <parkingArea id="kerb" lane="ab_0" startPos="185" endPos="205" roadsideCapacity="2" onRoad="true"/>
 </additional>"""
-ROUTES = """<routes><vType id="car" length="5" width="1.8"/>
+ROUTES = """<vType id="car" length="5" width="1.8"/>
 <vehicle id="long" type="car" depart="0" departPos="stop"><route edges="ab"/>
   <stop parkingArea="bay" duration="99"/></vehicle>
 <vehicle id="kerbed" type="car" depart="0" departPos="stop"><route edges="ab"/>
@@ -30,36 +28,26 @@ ROUTES = """<routes><vType id="car" length="5" width="1.8"/>
 <vehicle id="late" type="car" depart="0" departPos="50"><route edges="ab"/>
   <stop lane="ab_0" endPos="80" parking="true" duration="8"/></vehicle>
 <vehicle id="halted" type="car" depart="0" departPos="225"><route edges="ab"/>
-  <stop lane="ab_0" endPos="230" duration="99"/></vehicle>
-</routes>"""
-
-WATCH = """
-import json, sys, libsumo
-from sumo_reactive.sumo.static_obstacles import StaticObstacles, StaticView
-net, routes, more, kind = sys.argv[1:]
-libsumo.start(["sumo", "-n", net, "-r", routes, "-a", more, "--no-step-log", "--no-warnings"])
-for _ in range(6):
-    libsumo.simulationStep()
-obstacles, steps = StaticObstacles(kind), []
-seen = StaticView(obstacles)
-for _ in range(30):
-    obstacles.update()
-    near = seen.near(120.0, -1.6)
-    users = [[u.id, u.x, u.y, u.heading, u.speed, u.lane_id, u.is_halted, u.body.length, u.body.width] for u in near.users]
-    steps.append({"users": users, "points": near.points.tolist(), "on_lane": libsumo.lane.getLastStepVehicleIDs("ab_0")})
-    libsumo.simulationStep()
-print(json.dumps(steps))
-"""
+  <stop lane="ab_0" endPos="230" duration="99"/></vehicle>"""
 
 
 def watched(folder, kind="obstacle") -> list[dict]:
-    """What is seen from the road's middle in each of 30 steps, in a process of its own."""
-    routes, more = folder / "cars.rou.xml", folder / "more.add.xml"
-    routes.write_text(ROUTES)
+    """What is seen from the road's middle in each of 30 steps."""
+    more = folder / "more.add.xml"
     more.write_text(ADDITIONAL)
-    arguments = [str(converted(folder, NODES, EDGES)), str(routes), str(more), kind]
-    done = subprocess.run([sys.executable, "-c", WATCH, *arguments], check=True, capture_output=True, text=True, timeout=60)
-    return json.loads(done.stdout.splitlines()[-1])
+    with running(converted(folder, NODES, EDGES), folder, ROUTES, "-a", str(more), step=1.0):
+        simulated(6)
+        obstacles, steps = StaticObstacles(kind), []
+        seen = StaticView(obstacles)
+        for _ in range(30):
+            obstacles.update()
+            near = seen.near(120.0, -1.6)
+            users = [
+                (u.id, u.x, u.y, u.heading, u.speed, u.lane_id, u.is_halted, u.body.length, u.body.width) for u in near.users
+            ]
+            steps.append({"users": users, "points": near.points, "on_lane": libsumo.lane.getLastStepVehicleIDs("ab_0")})
+            simulated()
+    return steps
 
 
 @pytest.fixture(scope="module")

@@ -10,14 +10,17 @@ NO_GO = frozenset("rRu")
 
 
 class RedLights:
-    """Counts stop lines crossed under a letter that forbids it."""
+    """Counts stop lines crossed under a letter that forbids it, before the step and in it.
+
+    Lights and the line are SUMO's, not what the driver has seen of them.
+    """
 
     def __init__(self) -> None:
         self.violations: list[Violation] = []
 
     def see(self, moment: Moment) -> None:
         """Note a crossing on red."""
-        if moment.step.light in NO_GO and moment.step.light:
+        if moment.crossed and NO_GO.issuperset(moment.crossed):
             self.violations.append(Violation(moment.step.time, "red light run", moment.step.lane_id))
 
     def figures(self) -> Figures:
