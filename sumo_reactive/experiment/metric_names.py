@@ -54,7 +54,8 @@ def _by_key(*metrics: Metric) -> dict[str, Metric]:
     return {metric.key: metric for metric in metrics}
 
 
-_EMERGENCY = "harder than planned (3 m/s²; the type's `decel` where that is less), or with no admissible command left"
+_EMERGENCY = "harder than planned, or with no admissible command left"
+"""Planned: 3 m/s², at most the type's `decel`; with the paper's nine commands that `decel`."""
 
 METRICS: Mapping[str, Metric] = _by_key(
     Metric("arrived", "arrived", "", "1 if the ego has arrived, else 0", None),
@@ -107,8 +108,8 @@ OTHERS: Mapping[str, Metric] = _by_key(
     Metric("others_arrived", "others arrived", "", "by the end of the window", None),
     Metric("others_time_loss_s", "others' time loss", "s", "sum"),
     Metric("others_insertion_delay_s", "others' waiting to depart", "s", "sum"),
-    Metric("others_mean_duration_s", "others' mean duration", "s", "of those who arrived with either driver"),
-    Metric("others_mean_waiting_s", "others' mean standstill", "s", "of those who arrived with either driver"),
+    Metric("others_mean_duration_s", "others' mean duration", "s", "mean of those who arrived in both runs"),
+    Metric("others_mean_waiting_s", "others' mean standstill", "s", "mean of those who arrived in both runs"),
     Metric("others_stops", "others' stops", "", "times that one came to a stand", None),
     Metric("others_distance_km", "others' distance", "km", "sum"),
     Metric("others_co2_kg", "others' CO₂", "kg", "sum"),
