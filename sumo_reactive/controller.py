@@ -24,7 +24,7 @@ from sumo_reactive.perception.static import static_within
 from sumo_reactive.pilot.events import detect, only_foes
 from sumo_reactive.pilot.memory import PilotMemory
 from sumo_reactive.pilot.passages import Ahead
-from sumo_reactive.pilot.pilot import Style, confirm, decide, notice
+from sumo_reactive.pilot.pilot import Style, confirm, decide, may_confirm, notice
 from sumo_reactive.pilot.schedule import Delays
 from sumo_reactive.planner.time_constraints import retimed
 from sumo_reactive.vehicle.bicycle import advance
@@ -58,12 +58,13 @@ class Drive(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What a control step saw, decided and did, and where that leaves the ego."""
+    """What a control step saw, decided and did, and where that leaves the ego. `asked`: runs of the highway code in it."""
 
     snapshot: Snapshot
     completed: CompletedPlan
     execution: Execution
     drive: Drive
+    asked: int = 0
 
 
 @dataclass(frozen=True)
@@ -86,9 +87,13 @@ class Controller:
         period = duration / parts
         step = self._once(traffic, drive, period)
         for part in range(1, parts):
-            before = step.completed
-            step = self._once(moved(traffic, part * period), step.drive, period, decides=not before.awaits_plan)
-            step = step._replace(completed=step.completed.after(before))
+            before = step
+            decides = not before.completed.awaits_plan
+            step = self._once(moved(traffic, part * period), step.drive, period, decides=decides)
+            step = step._replace(
+                completed=step.completed.after(before.completed), execution=step.execution.after(before.execution),
+                asked=before.asked + step.asked,
+            )  # fmt: skip
         return step
 
     def _once(self, traffic: Traffic, drive: Drive, period: float, *, decides: bool = True) -> Step:
@@ -97,14 +102,14 @@ class Controller:
             traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d,
             looks_for_foes=looks,
         )  # fmt: skip
-        snapshot, completed, memory = self._completed(seen, traffic, drive, looks, decides=decides)
+        snapshot, completed, memory, asked = self._completed(seen, traffic, drive, looks, decides=decides)
         held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
             s, d = locate(ego, drive.plan, self.limits, snapshot.s)
             after = drive._replace(ego=ego, s=s, memory=memory, completed=held_plan, d=d)
-            return Step(snapshot, completed, execution, after)
+            return Step(snapshot, completed, execution, after, asked)
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
         held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
@@ -114,32 +119,34 @@ class Controller:
         s, d = locate(execution.state, drive.plan, self.limits, snapshot.s)
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
-        return Step(snapshot, completed, execution, after)
+        return Step(snapshot, completed, execution, after, asked)
 
     def _completed(
         self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool, *, decides: bool
-    ) -> tuple[Snapshot, CompletedPlan, PilotMemory]:
+    ) -> tuple[Snapshot, CompletedPlan, PilotMemory, int]:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
-        none yet."""
+        none yet. Last is how often the highway code was asked."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
         ahead = passages_ahead(self.graph, plan, snapshot.passages)
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
         if not events and drive.completed is not None:
-            return snapshot, drive.completed, memory
+            return snapshot, drive.completed, memory, 0
         if not has_foes:
             snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
-        if drive.completed is not None and only_foes(events, snapshot):
+        asked = 1
+        if drive.completed is not None and only_foes(events, snapshot) and may_confirm(snapshot, memory):
+            asked = 2
             confirmed = confirm(snapshot, ahead, drive.completed, memory, self.limits)
             if confirmed is not None:
-                return snapshot, drive.completed, confirmed
+                return snapshot, drive.completed, confirmed, 1
         view = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
         completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
         if completed.request.what is Replanning.TIMES:
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits)
             completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
-        return snapshot, completed, memory
+        return snapshot, completed, memory, asked
 
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:
         """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""

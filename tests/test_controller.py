@@ -11,6 +11,7 @@ from helpers.situations import before
 from sumo_reactive.controller import Controller, Drive, Profile, Step, moved, replanned
 from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.messages.traffic import Traffic
+from sumo_reactive.pilot import pilot
 
 ROUTE = ("from_south", "to_west")
 
@@ -41,6 +42,34 @@ def test_the_turn_is_driven_on_the_curve_at_every_step_length(ego, duration):
     steps = steps_of(ego, duration, 14.0)
     assert max(abs(step.snapshot.d) for step in steps) < 0.15
     assert steps[-1].snapshot.front > ego.plan.passages[0].end
+
+
+def braking_before(ego, duration: float) -> list[bool]:
+    """Whether each second of coming too late upon somebody who stands holds an emergency."""
+    van = ego.other("van", "from_south_0", -48.0, 0.0, ("from_south", "to_west"))
+    flags = [step.execution.emergency for step in steps_of(ego, duration, 4.0, users=(van,))]
+    parts = round(1.0 / duration)
+    return [any(flags[k : k + parts]) for k in range(0, len(flags), parts)]
+
+
+def test_an_emergency_that_is_over_within_a_coarse_step_is_told(ego):
+    assert braking_before(ego, 1.0) == braking_before(ego, 0.1)
+    assert True in braking_before(ego, 1.0)
+
+
+@pytest.mark.parametrize("duration", [0.1, 0.5])
+def test_every_run_of_the_highway_code_is_counted_those_that_confirm_a_decision_too(ego, duration, monkeypatch):
+    runs = []
+    asks = pilot.ask
+    monkeypatch.setattr(pilot, "ask", lambda *given: (runs.append(1), asks(*given))[1])
+    controller, drive, steps = Controller(ego.graph, CAR), ego.drive(), []
+    west = ego.other("west", "from_west_0", -60.0, 8.0, ("from_west", "to_east"))
+    traffic = Traffic(ego.time, (west,), {})
+    for _ in range(round(6.0 / duration)):
+        steps.append(controller.step(traffic, drive, duration))
+        drive, traffic = steps[-1].drive, moved(traffic, duration)
+    assert sum(step.asked for step in steps) == len(runs)
+    assert any(step.asked and not step.completed.events for step in steps)
 
 
 def test_equal_input_gives_equal_output(ego):

@@ -4,15 +4,17 @@
     python tools/benchmark_run.py [--scenario FILE --scale FACTOR --until S] [--until-end] [--repeats N] [--sumo PROGRAM]
 
 Both programs run in turn and simulate the same time: from the scenario's begin until the ego has arrived, or, with
-`--until-end`, until the scenario's end. "Process" is the time from start to end of the process, "simulation" that of the
-simulated part alone: without interpreter, imports, reading the network and, in ours, the plan, the loading of the kernels
-and the verdicts at the end. The figures are medians. "Added" is what a driven step costs more than SUMO's own.
+`--until-end`, until the scenario's end. All times are the processor's, so that what else runs on the machine counts for
+neither. "Process" is that of the whole process, "simulation" that of the simulated part alone: without interpreter,
+imports, reading the network and, in ours, the plan, the loading of the kernels and the verdicts at the end. The figures are
+medians, the ratio that of the runs side by side. "Added" is what a driven step costs more than SUMO's own.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -20,11 +22,17 @@ import sys
 import tempfile
 import time as clock
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import mean, median
 from typing import NamedTuple
 
 from sumolib import checkBinary
+
+from sumo_reactive.experiment.scenario import load_scenario
+from sumo_reactive.experiment.trial import run_trial
+from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 
 ROOT = Path(__file__).resolve().parent.parent
 CASES = (("multi_lane_road", 3.0, None), ("on_ramp_merge", 3.0, None), ("city_grid", 0.25, None), ("city_grid", 3.0, 240.0))
@@ -32,41 +40,11 @@ CASES = (("multi_lane_road", 3.0, None), ("on_ramp_merge", 3.0, None), ("city_gr
 
 TARGETS = "targets: ratio ≤ 2.5 with about 60 vehicles in the network, ≤ 1.2 with 500 or more"
 
-_OURS = """
-import json, sys, time
-from sumo_reactive import cli
-from sumo_reactive.experiment import trial
-marks, drive = {}, trial._drive
-class TimedSession(trial.Session):
-    def __enter__(self):
-        session = super().__enter__()
-        marks["begin"] = time.perf_counter()
-        return session
-    def __exit__(self, *error):
-        marks["until"] = self.time
-        super().__exit__(*error)
-    def play_out(self, *rest):
-        began = time.perf_counter()
-        super().play_out(*rest)
-        marks["played out"] = time.perf_counter() - began
-class TimedTrip(trial.Trip):
-    def scenes(self):
-        for scene in super().scenes():
-            marks.setdefault("driving", time.perf_counter())
-            yield scene
-def timed(session, *rest):
-    marks["taken over"] = time.perf_counter()
-    result = drive(session, *rest)
-    marks["driven"] = time.perf_counter()
-    marks["steps"] = round((session.time - result[0].departure) / session.step_length)
-    return result
-trial.Session, trial.Trip, trial._drive = TimedSession, TimedTrip, timed
-try:
-    cli.main()
-finally:
-    print(json.dumps(marks), file=sys.stderr)
-"""
-"""The command line itself, with a clock around the simulated part."""
+WORKER = "--one-run"
+"""First argument of the processes that this program starts to drive; the second is the case as JSON."""
+
+WAITS, PLAYS = "waiting for the ego to depart", "playing out"
+"""What a run says while it does not drive."""
 
 
 class Case(NamedTuple):
@@ -79,7 +57,7 @@ class Case(NamedTuple):
 
 
 class Run(NamedTuple):
-    """Wall-clock seconds of the process and of the simulated part alone; simulation time of the end; steps driven."""
+    """Processor seconds of the process and of the simulated part alone; simulation time of the end; steps driven."""
 
     process: float
     simulation: float
@@ -87,8 +65,33 @@ class Run(NamedTuple):
     steps: int = 0
 
 
+@dataclass
+class Stopwatch:
+    """Counts the processor's seconds between the steps of a run, and the steps that are driven: a run's `progress`.
+
+    The plan and the loading of the kernels lie between waiting and driving, and are left out.
+    """
+
+    simulation: float = 0.0
+    until: float = 0.0
+    steps: int = 0
+    _last: float = 0.0
+    _waited: bool = True
+
+    def step(self, time: float, doing: str) -> None:
+        """Count a step that has ended at `time`."""
+        now, waits = clock.process_time(), doing == WAITS
+        if self._last and waits == self._waited:
+            self.simulation += now - self._last
+        self.until, self.steps = time, self.steps + (doing not in (WAITS, PLAYS))
+        self._last, self._waited = now, waits
+
+
 def main() -> None:
     """Print one line a case."""
+    if sys.argv[1:2] == [WORKER]:
+        drive(Case(Path(sys.argv[2]), *json.loads(sys.argv[3])))
+        return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenario", type=Path, help="a scenario .toml of this repository; else four of its own")
     parser.add_argument("--scale", type=float, default=1.0, help="factor on the scenario's traffic (with --scenario)")
@@ -122,25 +125,36 @@ def compare(case: Case, sumo: str, repeats: int) -> None:
     print(f"{line}{added:9.0f}", flush=True)
 
 
+def drive(case: Case) -> None:
+    """Drive the ego to its goal in this process; print what the stopwatch says."""
+    watch, options = Stopwatch(), ("--scale", f"{case.scale:g}")
+    scenario = load_scenario(case.scenario)
+    until = scenario.until_s if case.until is None else case.until
+    run_trial(replace(scenario, until_s=until, until_end=case.until_end, sumo_options=options), progress=watch.step)
+    print(json.dumps({name: value for name, value in asdict(watch).items() if not name.startswith("_")}))
+
+
 def ours(case: Case) -> Run:
-    """Drive the ego to its goal."""
-    arguments = ["run", str(case.scenario), "--quiet", *(["--until", f"{case.until:g}"] if case.until else [])]
-    arguments += [*(["--until-end"] if case.until_end else []), "--", "--scale", f"{case.scale:g}"]
-    began = clock.perf_counter()
-    done = subprocess.run([sys.executable, "-c", _OURS, *arguments], capture_output=True, text=True, check=False)
-    whole = clock.perf_counter() - began
-    marks = next((json.loads(line) for line in done.stderr.splitlines() if line.startswith("{")), {})
-    if done.returncode not in (0, 1) or "driven" not in marks:
-        raise SystemExit(done.stderr)
-    simulation = marks["taken over"] - marks["begin"] + marks["driven"] - marks["driving"] + marks.get("played out", 0.0)
-    return Run(whole, simulation, marks["until"], marks["steps"])
+    """Drive the ego to its goal in a process of its own."""
+    rest = json.dumps([case.scale, case.until, case.until_end])
+    whole, said = processor_time([sys.executable, __file__, WORKER, str(case.scenario), rest])
+    return Run(whole, **json.loads(said.splitlines()[-1]))
+
+
+def processor_time(command: Sequence[str]) -> tuple[float, str]:
+    """Run a program; return the processor's seconds that it took, and what it said. Ends with that if it fails."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        said = process.stdout.read() if process.stdout else ""
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(said)
+    return used.ru_utime + used.ru_stime, said
 
 
 def plain(case: Case, sumo: str, until: float, options: Sequence[str] = ()) -> float:
-    """Let SUMO alone simulate the same; return the seconds of its process."""
-    began = clock.perf_counter()
-    subprocess.run([*_plain(case, sumo, until), *options], capture_output=True, check=True)
-    return clock.perf_counter() - began
+    """Let SUMO alone simulate the same; return the processor's seconds of its process."""
+    return processor_time([*_plain(case, sumo, until), *options])[0]
 
 
 def theirs(case: Case, sumo: str, until: float) -> Run:
@@ -160,10 +174,6 @@ def count(case: Case, sumo: str, until: float) -> float:
 
 def _plain(case: Case, sumo: str, until: float) -> list[str]:
     """The same options as ours takes: seed and step length of the scenario, collisions checked alike."""
-    from sumo_reactive.experiment.scenario import load_scenario
-    from sumo_reactive.sumo.config import read_config
-    from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
-
     scenario = load_scenario(case.scenario)
     config = read_config(scenario.config)
     options = ["--scale", f"{case.scale:g}", "--end", f"{until:g}"]

@@ -4,8 +4,9 @@
     python tools/compare_profiles.py [SCENARIO…] [--json FILE]
 
 Drives scenarios of this repository, by default all but city_grid, with `--profile default` and `--profile paper`, each
-run in a process of its own, and prints a Markdown table of pairs "default / paper". Exit codes: 0, 1 if a run failed, 2
-for wrong usage. The profiles differ in the command space, in δt and in U₁: exact distances against bitmaps.
+run in a process of its own, and prints a Markdown table of pairs "default / paper", and below it what a control step takes
+of the processor. Exit codes: 0, 1 if a run failed, 2 for wrong usage. The profiles differ in the command space, in δt and
+in U₁: exact distances against bitmaps.
 """
 
 from __future__ import annotations
@@ -15,19 +16,23 @@ import json
 import math
 import multiprocessing
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import time as clock
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.controller import Profile
+from sumo_reactive.controller import Controller, Profile
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.experiment.metric_names import METRICS
 from sumo_reactive.experiment.scenario import load_scenario
 from sumo_reactive.experiment.trial import run_trial
 from sumo_reactive.messages.record import Scene
@@ -48,7 +53,7 @@ _CAR = VehicleLimits(
 
 
 class Drive(NamedTuple):
-    """One run: verdict, |d| of each step (m) and its wall-clock time (µs), duration (s), and the judges' figures."""
+    """One run: verdict, |d| of each step (m) and the processor's time for it (µs), duration (s), and the judges' figures."""
 
     verdict: str
     is_clean: bool
@@ -98,17 +103,26 @@ def _control_us(drives: Sequence[Drive]) -> NDArray[np.float64]:
     return np.concatenate([drive.control_us for drive in drives])
 
 
+def _metric(key: str, value: Callable[[Sequence[Drive]], float | None], digits: int = 2) -> Measure:
+    """Return the measure of a metric, which is called what it is called everywhere."""
+    return Measure(METRICS[key].title, key, digits, value)
+
+
 MEASURES = (
     Measure("RMS of d (m)", "rms_tracking_error_m", 3, _rms_distance),
     Measure("max of d (m)", "max_tracking_error_m", 2, lambda drives: max(float(d.distances.max()) for d in drives)),
-    Measure("RMS jerk (m/s³)", "rms_jerk_m_s3", 2, _rms_jerk),
-    Measure("lateral acc. (m/s²)", "max_lateral_acceleration_m_s2", 2, _largest("max_lateral_acceleration_m_s2")),
-    Measure("braking (m/s²)", "max_braking_m_s2", 2, _largest("max_braking_m_s2")),
-    Measure("duration (s)", "duration_s", 1, lambda drives: sum(drive.duration for drive in drives)),
-    Measure("TTC (s)", "min_time_to_collision_s", 2, _smallest("min_time_to_collision_s")),
-    Measure("emergencies", "emergencies", 0, lambda drives: sum(_known(drives, "emergencies"))),
-    Measure("step mean (µs)", "control_step_mean_us", 0, lambda drives: float(_control_us(drives).mean())),
-    Measure("step p99 (µs)", "control_step_p99_us", 0, lambda drives: float(np.percentile(_control_us(drives), 99.0))),
+    _metric("rms_jerk_m_s3", _rms_jerk),
+    _metric("max_lateral_acceleration_m_s2", _largest("max_lateral_acceleration_m_s2")),
+    _metric("max_braking_m_s2", _largest("max_braking_m_s2")),
+    _metric("duration_s", lambda drives: sum(drive.duration for drive in drives), 1),
+    _metric("min_time_to_collision_s", _smallest("min_time_to_collision_s")),
+    _metric("emergencies", lambda drives: sum(_known(drives, "emergencies")), 0),
+)
+"""What the same versions give again."""
+
+TIMES = (
+    Measure("mean (µs)", "control_step_cpu_mean_us", 0, lambda drives: float(_control_us(drives).mean())),
+    Measure("p99 (µs)", "control_step_cpu_p99_us", 0, lambda drives: float(np.percentile(_control_us(drives), 99.0))),
 )
 
 
@@ -119,7 +133,11 @@ def main() -> None:
     for name in asked.names or known_names():
         print(f"driving {name}…", file=sys.stderr)
         drives[name] = tuple(_apart(name, profile) for profile in PROFILES)
-    print(table(drives))
+    print(f"{header()}\n\n{table(drives)}\n\nControl step, processor's time:\n\n{table(drives, TIMES)}")
+    for name, pair in drives.items():
+        for profile, drive in zip(PROFILES, pair, strict=True):
+            if not drive.is_clean:
+                print(f"\n{name}, profile {profile.value}: {drive.verdict}")
     if asked.json:
         asked.json.write_text(json.dumps(as_data(drives), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
@@ -157,35 +175,46 @@ def drive_once(name: str, profile: Profile) -> Drive:
     """Drive one scenario in this process."""
     scenes: list[Scene] = []
     scenario = replace(load_scenario(ROOT / "scenarios" / f"{name}.toml"), profile=profile)
-    result = run_trial(scenario, observer=scenes.append)
+    with steps_timed() as times:
+        result = run_trial(scenario, observer=scenes.append)
     return Drive(
         result.verdict,
         result.exit_code == 0,
         np.abs([scene.step.d for scene in scenes]),
-        np.array([scene.step.control_us for scene in scenes]),
+        np.array(times[1:]),  # the first loads what a step needs
         result.duration_s,
         dict(result.figures),
     )
 
 
-def table(drives: Mapping[str, Sequence[Drive]]) -> str:
+@contextmanager
+def steps_timed() -> Iterator[list[float]]:
+    """Give a list that gets the processor's time of each control step, µs."""
+    times: list[float] = []
+    whole = Controller.step
+
+    def timed(controller: Controller, *given: object) -> object:
+        began = clock.thread_time()
+        step = whole(controller, *given)  # type: ignore[arg-type]
+        times.append(1e6 * (clock.thread_time() - began))
+        return step
+
+    with patch.object(Controller, "step", timed):
+        yield times
+
+
+def table(drives: Mapping[str, Sequence[Drive]], measures: Sequence[Measure] = MEASURES) -> str:
     """Return the Markdown table: a row a scenario, one over all, pairs "default / paper"."""
-    titles = " | ".join(measure.title for measure in MEASURES)
-    lines = [_header(), "", f"| default / paper | {titles} |", f"|---|{'---:|' * len(MEASURES)}"]
+    titles = " | ".join(measure.title for measure in measures)
+    lines = [f"| default / paper | {titles} |", f"|---|{'---:|' * len(measures)}"]
     rows = {name: [[one] for one in pair] for name, pair in drives.items()}
     if len(rows) > 1:
         rows["**all**"] = [list(one) for one in zip(*drives.values(), strict=True)]
-    lines += [f"| {name} | {' | '.join(_pair(measure, row) for measure in MEASURES)} |" for name, row in rows.items()]
-    lines += [
-        f"\n{name}, profile {profile.value}: {drive.verdict}"
-        for name, pair in drives.items()
-        for profile, drive in zip(PROFILES, pair, strict=True)
-        if not drive.is_clean
-    ]
+    lines += [f"| {name} | {' | '.join(_pair(measure, row) for measure in measures)} |" for name, row in rows.items()]
     return "\n".join(lines)
 
 
-def _header() -> str:
+def header() -> str:
     """Say what the two profiles are."""
     fine, paper = (f"{size} commands, δt = {period:g} s" for size, period in spaces().values())
     return (
@@ -227,7 +256,7 @@ def as_data(drives: Mapping[str, Sequence[Drive]]) -> dict[str, object]:
 
 def _figures(drives: Sequence[Drive]) -> dict[str, float | str | None]:
     """Return every measure over these runs by its key."""
-    values = {measure.key: (measure.value(drives), measure.digits) for measure in MEASURES}
+    values = {measure.key: (measure.value(drives), measure.digits) for measure in (*MEASURES, *TIMES)}
     return {key: None if value is None else round(value, digits + 2) for key, (value, digits) in values.items()}
 
 

@@ -61,6 +61,8 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from sumo_reactive.experiment.metric_names import METRICS
+
     arrived = sum(result.arrived for result in fleet.results)
     typer.echo(
         f"{len(fleet.results)} egos until {fleet.until:.1f} s: {arrived} arrived, {len(fleet.on_their_way)} on their way, "
@@ -70,7 +72,7 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
         typer.echo(f"not taken over: {name}: {reason}")
     if quiet:
         return
-    table = Table("ego", "departed s", "duration s", "time loss s", "verdict", box=None)
+    table = Table("ego", "departed (s)", METRICS["duration_s"].title, METRICS["time_loss_s"].title, "verdict", box=None)
     for result in (fleet.faulty or fleet.results)[:SHOWN]:
         is_cut_short = result.ego in fleet.on_their_way and result not in fleet.faulty
         verdict = "on its way" if is_cut_short else result.verdict

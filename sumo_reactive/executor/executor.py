@@ -80,6 +80,10 @@ class Execution(NamedTuple):
     emergency: bool
     hazard: str = ""
 
+    def after(self, before: Execution) -> Execution:
+        """Return the execution, an emergency if the one `before` it in the same step was."""
+        return self._replace(emergency=True, hazard=before.hazard) if before.emergency else self
+
 
 class Wish(NamedTuple):
     """v_d (m/s); whether braking for it must not wait for the comfortable jerk (`is_pressing`); what planned braking would

@@ -79,7 +79,6 @@ class TrialResult:
     overrides: tuple[Override, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     ghosts: int = 0
-    emergencies: int = 0
 
     @property
     def duration_s(self) -> float:

@@ -5,23 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 
+from sumo_reactive.experiment.metric_names import METRICS, TIMINGS, event_key
 from sumo_reactive.experiment.result import TrialResult
+from sumo_reactive.messages.event import EventKind
 
 Row = tuple[str, str]
 
-_FIGURE_ROWS = (
-    ("smallest time to collision", "min_time_to_collision_s", "s"),
-    ("smallest post-encroachment time", "min_post_encroachment_s", "s"),
-    ("hard braking caused", "hard_braking_caused", ""),
-    ("largest acceleration", "max_acceleration_m_s2", "m/s²"),
-    ("hardest braking", "max_braking_m_s2", "m/s²"),
-    ("largest lateral acceleration", "max_lateral_acceleration_m_s2", "m/s²"),
-    ("jerk (RMS)", "rms_jerk_m_s3", "m/s³"),
-    ("standstill", "standstill_s", "s"),
-    ("off the road", "off_road_s", "s"),
-    ("emergencies", "emergencies", ""),
-    ("steps without the pilot", "pilot_free_share", "%"),
-)
+_NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_key, EventKind)}
+"""Told otherwise, or too much on a terminal."""
 
 
 def summary_of(result: TrialResult) -> dict[str, object]:
@@ -37,44 +28,19 @@ def summary_of(result: TrialResult) -> dict[str, object]:
 
 def rows_of(result: TrialResult) -> list[Row]:
     """Return the summary as (label, text) rows."""
-    figures = result.figures
     rows = [
         ("verdict", result.verdict),
         ("ego", f"{result.ego} ({result.chosen})"),
-        ("arrived", f"yes, at {result.end_s:.1f} s" if result.arrived else f"no ({result.ended})"),
-        ("duration", f"{result.duration_s:.1f} s"),
-        ("time loss", f"{result.time_loss_s:.1f} s"),
-        ("distance", f"{result.distance_m:.0f} m"),
-        ("collisions", str(len(result.collisions))),
-        ("red lights run", str(figures.get("red_lights_run", 0))),
-        ("right-of-way violations", str(figures.get("right_of_way_violations", 0))),
+        (METRICS["arrived"].label, f"yes, at {result.end_s:.1f} s" if result.arrived else f"no ({result.ended})"),
     ]
-    rows += [(label, _text(figures[key], unit)) for label, key, unit in _FIGURE_ROWS if key in figures]
-    return [*rows, *_timing_rows(result), *_override_rows(result)]
-
-
-def _timing_rows(result: TrialResult) -> list[Row]:
-    names = [f"control_step_{name}_us" for name in ("mean", "p99", "max")]
-    timing = result.timing
-    rows = []
-    if all(name in timing for name in names):
-        rows.append(("control step mean / p99 / max", " / ".join(f"{timing[name]:.0f}" for name in names) + " µs"))
-    if "real_time_factor" in timing:
-        rows.append(("real-time factor", f"{timing['real_time_factor']:.1f}"))
-    return rows
+    figures = {**result.metrics, **result.timing}
+    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
+    rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
+    return [*rows, *_override_rows(result)]
 
 
 def _override_rows(result: TrialResult) -> list[Row]:
     return [(f"override {option}", f"{said} → {used}") for option, said, used in result.overrides]
-
-
-def _text(value: float | int | None, unit: str) -> str:
-    if value is None:
-        return "none"
-    if unit == "%":
-        value = round(100.0 * value)
-    number = str(value) if isinstance(value, int) else f"{value:.2f}"
-    return f"{number} {unit}".rstrip()
 
 
 def _faulty(fault: dict[str, object]) -> dict[str, object]:

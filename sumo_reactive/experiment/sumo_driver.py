@@ -39,7 +39,7 @@ TURN_S = 1.0
 TRIP_OUTPUT = "tripinfo-output"
 
 _NOT_JUDGED = ("off_road_s", "emergencies", "emergency_s")
-_NOT_JUDGED_KINDS = ("pilot_", "events_")
+_NOT_JUDGED_KINDS = ("pilot_", "highway_code_", "events_")
 
 _UNKNOWN = StepRecord(
     time=0.0, x=0.0, y=0.0, heading=0.0, speed=0.0, acceleration=0.0, steering_angle=0.0, lane_id="", s=0.0, d=0.0,

@@ -37,6 +37,7 @@ COLUMNS = {
     "behaviour": "behaviour",
     "instruction": "instruction",
     "pilot": "pilot",
+    "asked": "highway_code_runs",
     "emergency": "emergency",
     "hazard": "hazard",
     "light": "light",
@@ -45,7 +46,7 @@ COLUMNS = {
 """Column of each field of `StepRecord`; decisions have a file of their own."""
 
 _FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
-_TYPES: dict[str, type] = dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
+_TYPES: dict[str, type] = {"asked": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
 
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:

@@ -127,7 +127,6 @@ def result_of(
         overrides=start.overrides,
         versions=versions(),
         ghosts=trip.ghosts_made,
-        emergencies=trip.emergencies,
     )
 
 

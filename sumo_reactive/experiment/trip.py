@@ -67,7 +67,6 @@ class Trip:
         self.departure = self.end = session.time
         self.step_length = session.step_length
         self.distance = self.time_loss = 0.0
-        self.emergencies = 0
         self.stuck = ""
         self._moved = session.time
         self._session = session
@@ -157,7 +156,6 @@ class Trip:
         self.end = self._session.time
         self.distance += step.drive.ego.speed * self.step_length
         self.time_loss = self.ego.time_loss()
-        self.emergencies += step.execution.emergency
         if step.drive.ego.speed >= STANDING_SPEED:
             self._moved = self.end
         if self.end - self._moved >= STUCK_S:
@@ -322,6 +320,7 @@ class Trip:
             events=completed.events,
             assessment=completed.assessment,
             regions=completed.regions,
+            asked=step.asked,
         )
 
     def _light_crossed(self, step: Step) -> str:

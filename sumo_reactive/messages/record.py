@@ -22,7 +22,8 @@ class StepRecord(NamedTuple):
     stop (m on C, NaN: none). `u`, `u1`, `u2`, `u3`: potential and its terms for the chosen command. `leader`, `gap`: the
     vehicle that limits the ego and its distance (m, NaN: none). `control_us`: time of the control step. `lane_id` is
     where SUMO maps the ego (empty: nowhere). `light`: letter that applied to
-    the stop line crossed in this step (empty: none crossed). `pilot`: whether `events` activated the pilot in this step;
+    the stop line crossed in this step (empty: none crossed). `pilot`: whether `events` activated the pilot in this step,
+    `asked` how often the highway code was asked in it, by the pilot or to confirm a decision;
     `decisions`, `assessment` and `regions` are those of its last activation. `hazard`: what milder braking would not have
     stopped clear of when `emergency`: a leader's id or one of the names above (empty: no command was admissible).
     """
@@ -58,6 +59,7 @@ class StepRecord(NamedTuple):
     assessment: Assessment = NOT_ASSESSED
     regions: tuple[RegionState, ...] = ()
     hazard: str = ""
+    asked: int = 0
 
 
 class Scene(NamedTuple):

@@ -126,18 +126,23 @@ def decide(
     return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 
+def may_confirm(snapshot: Snapshot, memory: PilotMemory) -> bool:
+    """Whether what the highway code asks for alone decides on a decision: of a moving ego that seeks nothing."""
+    premises = memory.premises
+    if premises is None or premises.is_watchful or premises.is_seeking:
+        return False
+    return snapshot.ego.speed >= STANDING_SPEED
+
+
 def confirm(
     snapshot: Snapshot, ahead: Ahead, held: CompletedPlan, memory: PilotMemory, limits: VehicleLimits
 ) -> PilotMemory | None:
-    """Return the memory with the others foreseen anew if the highway code asks a moving ego for the same as before: then the
-    plan `held` stays in force. None: the pilot must decide.
+    """Return the memory with the others foreseen anew if the highway code asks an ego that `may_confirm` for the same as
+    before: then the plan `held` stays in force. None: the pilot must decide.
     """
-    premises = memory.premises
-    if premises is None or premises.is_watchful or premises.is_seeking or snapshot.ego.speed < STANDING_SPEED:
-        return None
     ways = tuple(crossings(snapshot, held.plan, ahead))
     rules, after = ask(snapshot, held.plan, ways, ahead, LaneChanging(), memory, limits)
-    if after != memory or rules.gist != premises.asked:
+    if memory.premises is None or after != memory or rules.gist != memory.premises.asked:
         return None
     return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))
 

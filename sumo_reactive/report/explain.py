@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.metrics.pilot_activity import key_of
+from sumo_reactive.experiment.metric_names import event_key
 from sumo_reactive.experiment.trace import Entry
 from sumo_reactive.messages.assessment import Assessment
 from sumo_reactive.messages.decision import Decision, Instruction
@@ -63,10 +63,12 @@ def header(recording: Recording) -> str:
 def footer(figures: Mapping[str, Any]) -> str:
     """How often the pilot ran, and what activated it, the most frequent first."""
     runs, share = figures.get("pilot_activations", 0), figures.get("pilot_free_share")
-    counts = [(figures.get(key_of(kind), 0), kind) for kind in EventKind]
+    asked = figures.get("highway_code_runs")
+    counts = [(figures.get(event_key(kind), 0), kind) for kind in EventKind]
     told = [f"{EVENTS[kind]} ({count})" for count, kind in sorted(counts, key=lambda one: -one[0]) if count]
-    rested = "" if share is None else f"; {100.0 * share:.0f} % of the steps needed no pilot"
-    return f"The pilot ran in {runs} steps{rested}." + (f" What activated it: {', '.join(told)}." if told else "")
+    held = "" if asked is None else f"; the highway code was asked {asked} times"
+    rested = "" if share is None else f"; {100.0 * share:.0f} % of the steps needed neither"
+    return f"The pilot decided in {runs} steps{held}{rested}." + (f" What activated it: {', '.join(told)}." if told else "")
 
 
 def paragraph(entry: Entry, before: Entry | None = None) -> str:

@@ -26,7 +26,7 @@ def compare(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
 def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tmp_path):
     answer = compare(FOUR_WAY, "--ego", "ego", "--seed", "1-2", "--jobs", 2, "--out", "out", cwd=tmp_path)
     assert answer.returncode == 0, answer.stdout + answer.stderr
-    assert "95 % interval" in answer.stdout and "others: vehicles" in answer.stdout
+    assert "95 % interval" in answer.stdout and "other vehicles" in answer.stdout
     assert answer.stdout.endswith("2 of 2 pairs driven by both\n")
     data = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
     for pair in data["pairs"]:

@@ -73,7 +73,7 @@ def world(*region_ids):
 
 def test_the_rows_tell_how_many_steps_needed_no_pilot():
     rows = dict(rows_of(result(figures={"pilot_free_share": 0.9312})))
-    assert rows["steps without the pilot"] == "93 %"
+    assert rows["steps without the pilot"] == "0.93"
 
 
 def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):

@@ -81,7 +81,7 @@ def test_the_lines_over_time_are_the_columns_of_the_trajectory(recording, steps)
     terms = ("U₁ (valley of C)", "U₂ (moving obstacles)", "U₃ (speed)")
     assert [trace(figure, name).y[0] for name in terms] == [0.1, 0.2, 0.0]
     titles = [figure.layout[f"yaxis{k}"].title.text for k in (2, 3, 4)]
-    assert titles == ["speed (m/s)", "distance (m)", "potential (–)"]
+    assert titles == ["speed (m/s)", "way ahead (m)", "potential (–)"]
     assert figure.layout.xaxis4.title.text == "simulation time (s)"
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
 from sumo_reactive.experiment.comparison.statistics import PairedDifference, paired_difference
+from sumo_reactive.experiment.metric_names import OTHERS
 from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.experiment.process.runner import Ending, Outcome, Task, run_all
 from sumo_reactive.experiment.result import TrialResult
@@ -29,11 +30,7 @@ EGO_METRICS = (
 WHATEVER_THE_END = ("arrived", "collisions")
 """The others are compared only where the ego has arrived with both drivers."""
 
-OTHERS_METRICS = (
-    "others_vehicles", "others_arrived", "others_time_loss_s", "others_insertion_delay_s", "others_mean_duration_s",
-    "others_mean_waiting_s", "others_stops", "others_distance_km", "others_co2_kg", "others_co2_g_per_km",
-    "others_fuel_kg", "others_nox_g", "others_collisions", "others_teleports",
-)  # fmt: skip
+OTHERS_METRICS = tuple(OTHERS)
 
 Number = float | int | None
 

@@ -11,43 +11,13 @@ from pathlib import Path
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.comparison.comparison import Comparison, Number, Pair, Side
 from sumo_reactive.experiment.comparison.statistics import CONFIDENCE, RESAMPLES, Interval, PairedDifference
+from sumo_reactive.experiment.metric_names import EVERY
 from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
 HEAD = ("", "n", "SUMO's own", "this driver", "difference", f"{100 * CONFIDENCE:g} % interval")
 """Titles of the columns of `rows_of`."""
-
-LABELS = {
-    "arrived": ("ego: arrived", ""),
-    "duration_s": ("duration", "s"),
-    "time_loss_s": ("time loss", "s"),
-    "distance_m": ("distance", "m"),
-    "collisions": ("collisions", ""),
-    "min_time_to_collision_s": ("smallest time to collision", "s"),
-    "min_post_encroachment_s": ("smallest post-encroachment time", "s"),
-    "hard_braking_caused": ("hard braking caused", ""),
-    "max_acceleration_m_s2": ("largest acceleration", "m/s²"),
-    "max_braking_m_s2": ("hardest braking", "m/s²"),
-    "max_lateral_acceleration_m_s2": ("largest lateral acceleration", "m/s²"),
-    "rms_jerk_m_s3": ("jerk (RMS)", "m/s³"),
-    "standstill_s": ("standstill", "s"),
-    "others_vehicles": ("others: vehicles", ""),
-    "others_arrived": ("arrived", ""),
-    "others_time_loss_s": ("time loss", "s"),
-    "others_insertion_delay_s": ("waiting to depart", "s"),
-    "others_mean_duration_s": ("mean duration", "s"),
-    "others_mean_waiting_s": ("mean standstill", "s"),
-    "others_stops": ("stops", ""),
-    "others_distance_km": ("distance", "km"),
-    "others_co2_kg": ("CO₂", "kg"),
-    "others_co2_g_per_km": ("CO₂ per km", "g/km"),
-    "others_fuel_kg": ("fuel", "kg"),
-    "others_nox_g": ("NOx", "g"),
-    "others_collisions": ("collisions", ""),
-    "others_teleports": ("teleports", ""),
-}
-"""What people read in place of a metric's name, and its unit; a colon begins a group."""
 
 NO_INTERVAL = "none: n = 1"
 MAX_DIGITS = 6
@@ -63,10 +33,8 @@ def rows_of(comparison: Comparison) -> list[Row]:
 
 
 def _row(name: str, found: PairedDifference) -> Row:
-    label, unit = LABELS[name]
-    title = (label if ":" in label else f"  {label}") + (f" ({unit})" if unit else "")
     first, second, difference = _text(found.first), _text(found.second), _signed(found.difference)
-    return title, str(found.n), first, second, difference, _limits(found.interval)
+    return EVERY[name].title, str(found.n), first, second, difference, _limits(found.interval)
 
 
 def _limits(interval: Interval | None) -> str:

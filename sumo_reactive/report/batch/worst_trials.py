@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from sumo_reactive.experiment.metric_names import METRICS
 from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.report.batch.stored_trials import Pair, StoredTrial
 
 MOST = 10
 """So many trials are shown."""
 
-_FAULTS = (("collisions", "collision"), ("violations", "violation"), ("hard_braking_caused", "hard braking caused"),
-           ("emergencies", "emergency"))  # fmt: skip
-"""What counts against a trial, the gravest first, and its name."""
-
-_PLURALS = {"emergency": "emergencies", "hard braking caused": "hard brakings caused"}
+_FAULTS = tuple(METRICS[key] for key in ("collisions", "violations", "hard_braking_caused", "emergencies"))
+"""What counts against a trial, the gravest first."""
 
 _SLOWER = 1.05
 """Longer than the baseline by less than this factor is not worth a word."""
@@ -39,7 +37,7 @@ def worst_of(trials: Sequence[StoredTrial], pairs: Sequence[Pair]) -> list[Worst
 
 
 def _badness(trial: StoredTrial, slower: Mapping[str, float]) -> tuple[float, ...]:
-    faults = (trial.metrics.get(name, 0.0) for name, _ in _FAULTS)
+    faults = (trial.metrics.get(fault.key, 0.0) for fault in _FAULTS)
     return not trial.is_done, 1.0 - trial.metrics.get("arrived", 1.0), *faults, slower.get(trial.key, 0.0)
 
 
@@ -47,11 +45,7 @@ def _why(trial: StoredTrial, slower: Mapping[str, float]) -> str:
     if not trial.is_done:
         return f"{trial.ending}: {trial.reason}"
     said = [trial.verdict] if trial.metrics.get("arrived") == 0.0 else []
-    said += [_counted(round(trial.metrics[name]), word) for name, word in _FAULTS if trial.metrics.get(name)]
+    said += [fault.counted(round(trial.metrics[fault.key])) for fault in _FAULTS if trial.metrics.get(fault.key)]
     factor = slower.get(trial.key, 1.0)
     said += [f"took {factor:.2f} times as long as SUMO's own driver"] if factor > _SLOWER else []
     return "; ".join(said)
-
-
-def _counted(count: int, word: str) -> str:
-    return f"{count} {word if count == 1 else _PLURALS.get(word, word + 's')}"

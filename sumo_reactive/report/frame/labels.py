@@ -3,33 +3,21 @@
 from __future__ import annotations
 
 import math
-import re
 
-from sumo_reactive.experiment.comparison.record import LABELS
 from sumo_reactive.experiment.comparison.statistics import Interval
-from sumo_reactive.experiment.metric_names import METRICS
-
-_UNITS = {"_m_s2": "m/s²", "_m_s3": "m/s³", "_s": "s", "_m": "m", "_us": "µs"}
-"""Unit by the ending of a metric's name; a longer ending comes first."""
+from sumo_reactive.experiment.metric_names import EVERY
 
 _DIGITS = 4
 
 
-_SHARES = ("pilot_free_share",)
-
-
 def is_count(metric: str) -> bool:
     """Whether a metric counts something, or says yes (1) or no (0)."""
-    return metric not in _SHARES and not any(metric.endswith(ending) for ending in _UNITS)
+    return metric in EVERY and EVERY[metric].is_count
 
 
 def title_of(metric: str) -> str:
-    """Return a metric as the title of a column or an axis, with its unit."""
-    if metric in LABELS:
-        label, unit = LABELS[metric]
-        return _with_unit(re.sub(r"^\w+: ", "", label), unit)
-    unit = next((unit for ending, unit in _UNITS.items() if metric.endswith(ending)), "")
-    return _with_unit(METRICS.get(metric, metric.replace("_", " ")), unit)
+    """Return a metric as the title of a column or an axis, with its unit; one of another release by its key."""
+    return EVERY[metric].title if metric in EVERY else metric
 
 
 def number(value: float | None) -> str:
@@ -52,7 +40,3 @@ def limits(interval: Interval | None, *, is_difference: bool = False) -> str:
         return "none: n = 1"
     told = signed if is_difference else number
     return f"{told(interval.low)} … {told(interval.high)}"
-
-
-def _with_unit(label: str, unit: str) -> str:
-    return f"{label} ({unit})" if unit else label

@@ -19,7 +19,7 @@ HEIGHT = 980
 """Of the figure, pixels."""
 
 _TRACK, _SPEED, _AHEAD, _POTENTIALS = 1, 2, 3, 4
-_TITLES = {_SPEED: "speed (m/s)", _AHEAD: "distance (m)", _POTENTIALS: "potential (–)"}
+_TITLES = {_SPEED: "speed (m/s)", _AHEAD: "way ahead (m)", _POTENTIALS: "potential (–)"}
 _SHARES = [0.2, 0.26, 0.24, 0.3]
 _TERMS = {
     "u": ("U = w₁U₁ + w₂U₂ + w₃U₃", "#808a94"),

@@ -1,0 +1,202 @@
+#!/usr/bin/env python3
+"""Write the samples of README.md from runs of the code beside it, or compare them.
+
+    python tools/readme_samples.py [NAME…] [--check] [--timings MACHINE] [--readme FILE]
+
+A sample stands between `<!-- sample: NAME -->` and `<!-- /sample -->`. What the same versions do not give again, wall-clock
+figures, is left out of it; `--timings` writes those apart, from the benchmarks, with commit, date and the MACHINE in words.
+Commands run in a copy of scenarios, networks and experiments, as if from the repository. Exit codes: 0 written or up to
+date, 1 out of date, 2 wrong usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import io
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from unittest.mock import patch
+
+from compare_profiles import PROFILES, drive_once, known_names, table
+
+from sumo_reactive.cli.main import main as sumo_reactive
+from sumo_reactive.experiment.metric_names import METRICS, OTHERS, TIMINGS, Metric
+
+ROOT = Path(__file__).resolve().parent.parent
+README = ROOT / "README.md"
+COPIED = ("scenarios", "networks", "experiments")
+LONGEST = 230
+"""Characters of a line; what is longer is cut off."""
+
+IN_A_HURRY = """[scenario]
+config = "../networks/four_way_priority/four_way_priority.sumocfg"
+ego = "ego"
+
+[expect.metrics]
+duration_s = { max = 30 }
+"""
+
+_BEHAVIOUR = re.compile(r"(Normal driving|Cautious driving|Overtaking|Stopping at a location|Crossing the intersection):")
+_NO_DIFFERENCE = re.compile(r" 0 +0 … 0$")
+
+
+def main() -> None:
+    """Write or compare what is asked for."""
+    asked = _arguments()
+    text = asked.readme.read_text(encoding="utf-8")
+    fresh = text
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        for name in COPIED:
+            shutil.copytree(ROOT / name, name)
+        for name in asked.names or (() if asked.timings else SAMPLES):
+            fresh = replaced(fresh, name, SAMPLES[name]())
+    if asked.timings:
+        fresh = replaced(fresh, "timings", timings(asked.timings))
+    stale = [name for name in (*SAMPLES, "timings") if sample_in(text, name) != sample_in(fresh, name)]
+    if asked.check:
+        print("".join(difflib.unified_diff(text.splitlines(True), fresh.splitlines(True), "as it is", "as it should be", n=1)))
+    else:
+        asked.readme.write_text(fresh, encoding="utf-8")
+    print(f"{'out of date' if asked.check else 'written'}: {', '.join(stale)}" if stale else "up to date")
+    raise SystemExit(int(asked.check and bool(stale)))
+
+
+def _arguments() -> argparse.Namespace:
+    """Read the command line; wrong usage ends with exit code 2."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(SAMPLES)}; all without one")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 if a sample is out of date")
+    parser.add_argument("--timings", metavar="MACHINE", help="write the timings, too; without a NAME only them")
+    parser.add_argument("--readme", type=Path, default=README, metavar="FILE", help="default README.md")
+    asked = parser.parse_args()
+    if unknown := [name for name in asked.names if name not in SAMPLES]:
+        parser.error(f"no sample named {', '.join(unknown)}; there are {', '.join(SAMPLES)}")
+    return asked
+
+
+def sample_in(text: str, name: str) -> str:
+    """Return what stands at a sample's place; ends with exit code 2 if there is no such place."""
+    found = re.search(rf"<!-- sample: {name} -->\n(.*?)<!-- /sample -->", text, re.DOTALL)
+    if found is None:
+        print(f"readme_samples: no place for the sample {name}", file=sys.stderr)
+        raise SystemExit(2)
+    return found[1]
+
+
+def replaced(text: str, name: str, sample: str) -> str:
+    """Return the text with another sample."""
+    before = sample_in(text, name)
+    return text.replace(f"<!-- sample: {name} -->\n{before}", f"<!-- sample: {name} -->\n{sample}\n")
+
+
+def fenced(*lines: str) -> str:
+    """Return lines as a block of text, cut where they are too long."""
+    cut = (line if len(line) <= LONGEST else f"{line[:LONGEST].rsplit(' ', 1)[0]} …" for line in lines)
+    return "\n".join(("```text", *(line.rstrip() for line in cut), "```"))
+
+
+def said_by(*words: str) -> list[str]:
+    """Return the lines that `sumo-reactive` prints."""
+    output, errors = io.StringIO(), io.StringIO()
+    called = patch.object(sys, "argv", ["sumo-reactive", *words])
+    with called, contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
+        try:
+            sumo_reactive()
+        except SystemExit as end:
+            if end.code not in (0, 1, None):
+                raise SystemExit(f"sumo-reactive {' '.join(words)}: {errors.getvalue()}") from end
+    return output.getvalue().splitlines()
+
+
+def run() -> str:
+    """The first command's result."""
+    labels = tuple(metric.label for metric in TIMINGS.values())
+    return fenced(*(line for line in said_by("run", "scenarios/four_way_priority.toml") if not line.startswith(labels)))
+
+
+def explain() -> str:
+    """The story of a run: where the behaviour changes, and every stage of the overtaking."""
+    said_by("run", "scenarios/figure4.toml", "--out", "figure4", "--quiet")
+    head, *lines, foot = said_by("explain", "figure4")
+    kept, before = [], ""
+    for line in lines:
+        behaviour = (_BEHAVIOUR.findall(line) or [before])[-1]
+        if behaviour != before or behaviour == "Overtaking":
+            kept.append(line)
+        before = behaviour
+    return fenced(head, *kept, foot)
+
+
+def fleet() -> str:
+    """Several egos at once."""
+    words = ("run", "scenarios/city_grid.toml", "--ego-probability", "0.05", "--until", "60")
+    return fenced(f"$ sumo-reactive {' '.join(words)}", *said_by(*words)[:-1])
+
+
+def check() -> str:
+    """A scenario that fails and two that do not."""
+    Path("scenarios/in_a_hurry.toml").write_text(IN_A_HURRY, encoding="utf-8")
+    lines = said_by("check", "scenarios/in_a_hurry.toml", "scenarios/roundabout.toml", "--jobs", "2")
+    return fenced(*(re.sub(r"driven in [\d.]+ s$", "driven in … s", line) for line in lines))
+
+
+def compare() -> str:
+    """A comparison; figures that do not differ are left out."""
+    words = ("compare", "scenarios/four_way_priority.toml", "--ego", "ego", "--seed", "1-3", "--jobs", "2")
+    return fenced(*(line for line in said_by(*words) if not _NO_DIFFERENCE.search(line)))
+
+
+def batch() -> str:
+    """What the store of a batch says."""
+    said_by("batch", "experiments/grid.toml", "--workers", "1")
+    words = ("results", "runs/grid.duckdb", "--metric", "duration_s", "--metric", "rms_jerk_m_s3")
+    return fenced(*(line for line in said_by(*words) if line.strip()))
+
+
+def profiles() -> str:
+    """The table of both profiles."""
+    return table({name: tuple(drive_once(name, profile) for profile in PROFILES) for name in known_names()})
+
+
+def metrics() -> str:
+    """The tables of all metrics."""
+    own = {key: metric for key, metric in METRICS.items() if not key.startswith("events_")}
+    events = len(METRICS) - len(own)
+    last = f"| `events_…` | event: … |  | how often each of the {events} kinds of event activated the pilot |"
+    return f"{_metric_table(own)}\n{last}\n\nA comparison adds, of all others:\n\n{_metric_table(OTHERS)}"
+
+
+def _metric_table(metrics: Mapping[str, Metric]) -> str:
+    rows = (f"| `{one.key}` | {one.label} | {one.unit} | {one.meaning} |" for one in metrics.values())
+    return "\n".join(("| key | shown as | unit | what it is |", "|---|---|---|---|", *rows))
+
+
+def timings(machine: str) -> str:
+    """What the benchmarks print, with commit, date and machine."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
+    lines = [f"Commit {commit.stdout.strip()}, {datetime.now(UTC):%Y-%m-%d}, {machine}."]
+    for words in (["benchmark_step", "--repeats", "2000"], ["benchmark_run", "--repeats", "3"], ["compare_profiles"]):
+        command = [sys.executable, str(ROOT / "tools" / f"{words[0]}.py"), *words[1:]]
+        said = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout
+        if words[0] == "compare_profiles":
+            lines.append(f"Control step of `tools/compare_profiles.py`, processor's time:\n\n{said.split('time:')[1].strip()}")
+        else:
+            lines.append(f"`tools/{words[0]}.py`:\n\n{fenced(*said.strip().splitlines())}")
+    return "\n\n".join(lines)
+
+
+SAMPLES: dict[str, Callable[[], str]] = {
+    "run": run, "explain": explain, "fleet": fleet, "check": check, "metrics": metrics, "compare": compare, "batch": batch,
+    "profiles": profiles,
+}  # fmt: skip
+
+if __name__ == "__main__":
+    main()
