@@ -60,6 +60,8 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from sumo_reactive.experiment.summary import changed_rows
+
     arrived = sum(result.arrived for result in fleet.results)
     typer.echo(
         f"{len(fleet.results)} egos until {fleet.until:.1f} s: {arrived} arrived, {len(fleet.on_their_way)} on their way, "
@@ -76,4 +78,6 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
         figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
         table.add_row(result.ego, *figures, verdict)
     Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH).print(table)
+    for label, text in changed_rows(fleet.overrides, fleet.recounts):
+        typer.echo(f"{label}  {text}")
     typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict
 
-from sumo_reactive.experiment.result import TrialResult
+from sumo_reactive.experiment.result import Override, TrialResult
+from sumo_reactive.sumo.recount import Recount
 
 Row = tuple[str, str]
 
@@ -27,7 +29,8 @@ _FIGURE_ROWS = (
 def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
-    plain["overrides"] = [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in result.overrides]
+    plain["overrides"] = overrides_of(result.overrides)
+    plain["recounts"] = recounts_of(result.recounts)
     plain["collisions"] = [_faulty(one) for one in plain["collisions"]]
     plain["violations"] = [_faulty(one) for one in plain["violations"]]
     plain["hard_brakes"] = [_faulty(one) for one in plain["hard_brakes"]]
@@ -50,7 +53,7 @@ def rows_of(result: TrialResult) -> list[Row]:
         ("right-of-way violations", str(figures.get("right_of_way_violations", 0))),
     ]
     rows += [(label, _text(figures[key], unit)) for label, key, unit in _FIGURE_ROWS if key in figures]
-    return [*rows, *_timing_rows(result), *_override_rows(result)]
+    return [*rows, *_timing_rows(result), *changed_rows(result.overrides, result.recounts)]
 
 
 def _timing_rows(result: TrialResult) -> list[Row]:
@@ -64,8 +67,22 @@ def _timing_rows(result: TrialResult) -> list[Row]:
     return rows
 
 
-def _override_rows(result: TrialResult) -> list[Row]:
-    return [(f"override {option}", f"{said} → {used}") for option, said, used in result.overrides]
+def overrides_of(overrides: Iterable[Override]) -> list[dict[str, str]]:
+    """Return overrides as plain data."""
+    return [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in overrides]
+
+
+def recounts_of(recounts: Iterable[Recount]) -> list[dict[str, str]]:
+    """Return what was put right in SUMO's own outputs as plain data."""
+    return [one._asdict() for one in recounts]
+
+
+def changed_rows(overrides: Iterable[Override], recounts: Iterable[Recount]) -> list[Row]:
+    """Return what was changed in the scenario, and in SUMO's own outputs, as (label, text) rows."""
+    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in overrides]
+    for one in recounts:
+        rows.append((" ".join(filter(None, (one.file, one.vehicle, one.attribute))), f"{one.sumo} → {one.used}".lstrip()))
+    return rows
 
 
 def _text(value: float | int | None, unit: str) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sumo_reactive.experiment.fleet.fleet import FleetResult
 from sumo_reactive.experiment.recorder import Recorder
+from sumo_reactive.experiment.summary import overrides_of, recounts_of
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.world.road_graph import RoadGraph
 
@@ -56,6 +57,8 @@ def fleet_summary(fleet: FleetResult) -> dict[str, object]:
         "exit_code": fleet.exit_code,
         "until_s": fleet.until,
         "egos": [{"ego": one.ego, "verdict": one.verdict, **one.metrics} for one in fleet.results],
+        "overrides": overrides_of(fleet.overrides),
+        "recounts": recounts_of(fleet.recounts),
         "refused": [{"vehicle": name, "reason": reason} for name, reason in fleet.refused],
         "timing": {"ego_step_us": round(fleet.step_us, 1), "wall_s": round(fleet.wall_s, 2)},
     }
