@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from sumo_reactive.sumo.recount import Recount
+if TYPE_CHECKING:
+    from sumo_reactive.sumo.recount import Recount
 
 Override = tuple[str, str, str]
 """Option, what the scenario says, what was used."""

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from sumo_reactive.experiment.result import Override, TrialResult
-from sumo_reactive.sumo.recount import Recount
+
+if TYPE_CHECKING:
+    from sumo_reactive.sumo.recount import Recount
 
 Row = tuple[str, str]
 
