@@ -9,11 +9,16 @@ from xml.etree import ElementTree
 import pytest
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.experiment.comparison.network_effects import Outputs, effects_of
 from sumo_reactive.experiment.fleet.egos import EgoRule
 from sumo_reactive.experiment.fleet.fleet import run_fleet
+from sumo_reactive.experiment.fleet.record import fleet_summary
 from sumo_reactive.experiment.scenario import Scenario, load_scenario
+from sumo_reactive.experiment.summary import rows_of as shown
+from sumo_reactive.experiment.summary import summary_of
 from sumo_reactive.experiment.sumo_driver import run_sumo_driver
 from sumo_reactive.experiment.trial import run_trial
+from sumo_reactive.sumo.config import read_config
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = ROOT / "networks" / "four_way_priority" / "four_way_priority"
@@ -67,6 +72,25 @@ def test_what_sumo_counts_amiss_is_put_right_and_named(tmp_path):
     assert (recount.file, recount.vehicle, recount.attribute) == ("t.xml", "ego", "routeLength")
     assert float(recount.sumo) > 1.5 * result.distance_m  # else nothing were put right
     assert recount.used == rows_of(trips)["ego"]["routeLength"] == f"{result.distance_m:.2f}"
+    assert ("t.xml ego routeLength", f"{recount.sumo} → {recount.used}") in shown(result)
+    assert summary_of(result)["recounts"] == [recount._asdict()]
+
+
+def test_the_sums_over_the_others_and_the_egos_own_way_are_sumos_sums_over_all(tmp_path):
+    """As a comparison reads them."""
+    asked, outputs = scenario("multi_lane_road", until_s=100.0, until_end=True), Outputs(tmp_path)
+    options = outputs.options(read_config(asked.config))
+    words = [word for name, value in options.items() for word in (f"--{name}", value)]
+    result = run_trial(replace(asked, sumo_options=tuple(words)))
+    others = effects_of(outputs, "ego", 0).figures
+    mean = ElementTree.parse(outputs.totals).getroot().find("vehicleTripStatistics").attrib
+    count = int(mean["count"])
+    assert others["others_vehicles"] == count - 1
+    for key, of_others, of_ego in (
+        ("routeLength", 1000.0 * others["others_distance_km"], result.distance_m),
+        ("timeLoss", others["others_time_loss_s"], result.time_loss_s),
+    ):
+        assert of_others + of_ego == pytest.approx(count * float(mean[key]), abs=0.01 * count)
 
 
 def test_who_asks_for_no_output_of_sumo_hears_of_none():
@@ -93,6 +117,7 @@ def test_every_ego_of_a_fleet_is_put_right(tmp_path):
         told = [float(row[key]) for key in ("duration", "routeLength", "timeLoss")]
         assert [result.duration_s, result.distance_m, result.time_loss_s] == pytest.approx(told, abs=0.01)
         assert [one.vehicle for one in result.recounts] == [result.ego]
+    assert fleet_summary(fleet)["recounts"] == [one._asdict() for one in fleet.recounts]
 
 
 def own(folder, vehicle='<vehicle id="ego" depart="0"><route edges="from_west to_east"/></vehicle>', end=""):
@@ -136,7 +161,8 @@ def test_a_fleet_drives_on_past_the_scenarios_end_as_an_ego_alone_does(tmp_path)
     alone, fleet = run_trial(asked), run_fleet(asked, EgoRule(ids=("ego",)))
     (member,) = fleet.results
     assert (member.arrived, member.end_s, member.overrides) == (alone.arrived, alone.end_s, alone.overrides)
-    assert ("end", "10") in [one[:2] for one in fleet.overrides] and not fleet.on_their_way
+    assert {"option": "end", "scenario": "10", "used": f"{fleet.until:g}"} in fleet_summary(fleet)["overrides"]
+    assert not fleet.on_their_way
 
 
 def test_sumos_own_driver_goes_on_past_the_end_by_the_same_rule(tmp_path):
