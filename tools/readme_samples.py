@@ -62,7 +62,8 @@ def main() -> None:
         fresh = replaced(fresh, "timings", timings(asked.timings))
     stale = [name for name in (*SAMPLES, "timings") if sample_in(text, name) != sample_in(fresh, name)]
     if asked.check:
-        print("".join(difflib.unified_diff(text.splitlines(True), fresh.splitlines(True), "as it is", "as it should be", n=1)))
+        before, after = text.splitlines(True), fresh.splitlines(True)
+        print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)))
     else:
         asked.readme.write_text(fresh, encoding="utf-8")
     print(f"{'out of date' if asked.check else 'written'}: {', '.join(stale)}" if stale else "up to date")
@@ -187,7 +188,8 @@ def timings(machine: str) -> str:
         command = [sys.executable, str(ROOT / "tools" / f"{words[0]}.py"), *words[1:]]
         said = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout
         if words[0] == "compare_profiles":
-            lines.append(f"Control step of `tools/compare_profiles.py`, processor's time:\n\n{said.split('time:')[1].strip()}")
+            table = said.split("time:")[1].strip()
+            lines.append(f"Control step of `tools/compare_profiles.py`, processor's time:\n\n{table}")
         else:
             lines.append(f"`tools/{words[0]}.py`:\n\n{fenced(*said.strip().splitlines())}")
     return "\n\n".join(lines)

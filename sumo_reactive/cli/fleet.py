@@ -62,6 +62,7 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.table import Table
 
     from sumo_reactive.experiment.metric_names import METRICS
+    from sumo_reactive.experiment.summary import changed_rows
 
     arrived = sum(result.arrived for result in fleet.results)
     typer.echo(
@@ -79,4 +80,6 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
         figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
         table.add_row(result.ego, *figures, verdict)
     Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH).print(table)
+    for label, text in changed_rows(fleet.overrides, fleet.recounts):
+        typer.echo(f"{label}  {text}")
     typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")

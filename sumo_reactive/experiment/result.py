@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sumo_reactive.sumo.recount import Recount
 
 Override = tuple[str, str, str]
 """Option, what the scenario says, what was used."""
@@ -55,7 +59,8 @@ class TrialResult:
     """One trial. Times are simulation seconds; `end_s` is when the ego arrived or the run ended.
 
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
-    120 s"); `figures` hold units in their keys, wall-clock figures apart under `timing`.
+    120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
+    figures apart under `timing`. `recounts`: what was put right in SUMO's own outputs.
     """
 
     scenario: str
@@ -79,6 +84,8 @@ class TrialResult:
     overrides: tuple[Override, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     ghosts: int = 0
+    stopped_s: float = 0.0
+    recounts: tuple[Recount, ...] = ()
 
     @property
     def duration_s(self) -> float:

@@ -17,7 +17,8 @@ from sumo_reactive.experiment.toml_file import problem_at, read_toml
 from sumo_reactive.overrides import VARIABLE, overridden, overrides
 from sumo_reactive.parameters import OBSTACLE_POLYGONS
 from sumo_reactive.pilot.schedule import Delays
-from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.config import read_config, seconds_of
+from sumo_reactive.sumo.option_names import given_options
 
 DEFAULT_SEED = 42
 
@@ -48,8 +49,18 @@ class Scenario:
 
     def end_after(self, departure: float) -> float | None:
         """Return the simulation time (s) at which the run ends at the latest if the ego departs at `departure`."""
-        ends = [self.until_s] if self.until_s is not None else []
-        return min([*ends, departure + self.horizon_s] if self.horizon_s is not None else ends, default=None)
+        horizon = None if self.horizon_s is None else departure + self.horizon_s
+        return min((end for end in (self.latest_end, horizon) if end is not None), default=None)
+
+    @property
+    def latest_end(self) -> float | None:
+        """The simulation time (s) at which the run ends at the latest: `until_s`, or the `end` among SUMO's options.
+
+        The `end` that the configuration names is no such end: who is under way then drives on to the goal.
+        """
+        given = given_options(self.sumo_options).get("end", "")
+        ends = (self.until_s, seconds_of(given) if given and not given.startswith("-") else None)
+        return min((end for end in ends if end is not None), default=None)
 
 
 class ScenarioFile(NamedTuple):

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from sumo_reactive.experiment.metric_names import METRICS, TIMINGS, event_key
-from sumo_reactive.experiment.result import TrialResult
+from sumo_reactive.experiment.result import Override, TrialResult
 from sumo_reactive.messages.event import EventKind
+
+if TYPE_CHECKING:
+    from sumo_reactive.sumo.recount import Recount
 
 Row = tuple[str, str]
 
@@ -18,7 +23,8 @@ _NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_
 def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
-    plain["overrides"] = [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in result.overrides]
+    plain["overrides"] = overrides_of(result.overrides)
+    plain["recounts"] = recounts_of(result.recounts)
     plain["collisions"] = [_faulty(one) for one in plain["collisions"]]
     plain["violations"] = [_faulty(one) for one in plain["violations"]]
     plain["hard_brakes"] = [_faulty(one) for one in plain["hard_brakes"]]
@@ -36,11 +42,25 @@ def rows_of(result: TrialResult) -> list[Row]:
     figures = {**result.metrics, **result.timing}
     shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
-    return [*rows, *_override_rows(result)]
+    return [*rows, *changed_rows(result.overrides, result.recounts)]
 
 
-def _override_rows(result: TrialResult) -> list[Row]:
-    return [(f"override {option}", f"{said} → {used}") for option, said, used in result.overrides]
+def overrides_of(overrides: Iterable[Override]) -> list[dict[str, str]]:
+    """Return overrides as plain data."""
+    return [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in overrides]
+
+
+def recounts_of(recounts: Iterable[Recount]) -> list[dict[str, str]]:
+    """Return what was put right in SUMO's own outputs as plain data."""
+    return [one._asdict() for one in recounts]
+
+
+def changed_rows(overrides: Iterable[Override], recounts: Iterable[Recount]) -> list[Row]:
+    """Return what was changed in the scenario, and in SUMO's own outputs, as (label, text) rows."""
+    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in overrides]
+    for one in recounts:
+        rows.append((" ".join(filter(None, (one.file, one.vehicle, one.attribute))), f"{one.sumo} → {one.used}".lstrip()))
+    return rows
 
 
 def _faulty(fault: dict[str, object]) -> dict[str, object]:

@@ -20,8 +20,9 @@ from sumo_reactive.experiment.trial import find_ego, versions
 from sumo_reactive.messages.record import Scene, StepRecord
 from sumo_reactive.messages.traffic import RoadUser
 from sumo_reactive.parameters import STANDING_SPEED, STUCK_S
+from sumo_reactive.sumo.launch import passed_end
 from sumo_reactive.sumo.net_reader import NetFile, read_net
-from sumo_reactive.sumo.option_names import canonical
+from sumo_reactive.sumo.option_names import given_options
 from sumo_reactive.sumo.outputs import AS_READ, TripInfo, trip_of
 from sumo_reactive.sumo.session import Progress
 from sumo_reactive.sumo.spectator import Spectator, View
@@ -68,25 +69,16 @@ def run_sumo_driver(
         trip = trip_of(trips, watch.spectator.id)
         if trip is None:
             raise SimulationError(f"{trips}: SUMO tells no trip of ego '{watch.spectator.id}'")
-        return _result(scenario, watch, trip, start.overrides)
+        overrides = (*start.overrides, *passed_end(start.config, watch.end, scenario.sumo_options))
+        return _result(scenario, watch, trip, overrides)
 
 
 def _trip_output(sumo_options: Sequence[str], folder: Path) -> tuple[list[str], Path]:
     """Return options that make SUMO tell of unfinished trips, too, and the file that it writes: the user's, if asked for."""
-    given = _given(sumo_options)
+    given = given_options(sumo_options)
     path = Path(given.get(TRIP_OUTPUT, folder / "trips.xml"))
     wanted = {TRIP_OUTPUT: str(path), f"{TRIP_OUTPUT}.write-unfinished": "true", **AS_READ}
     return [word for name, value in wanted.items() if name not in given for word in (f"--{name}", value)], path
-
-
-def _given(sumo_options: Sequence[str]) -> dict[str, str]:
-    """Return value by full name of each option on a command line."""
-    given: dict[str, str] = {}
-    for k, option in enumerate(sumo_options):
-        if option.startswith("-"):
-            name, is_joined, value = option.lstrip("-").partition("=")
-            given[canonical(name)] = value if is_joined else "".join(sumo_options[k + 1 : k + 2])
-    return given
 
 
 class _World:
@@ -140,7 +132,7 @@ def _watched(start: Started, scenario: Scenario, observer: Observer | None, prog
     limits = spectator.limits
     jury = Jury(limits.length, limits.width, limits.wheelbase)
     world = _World(start.config.net_file, jury)
-    watch = _Watch(spectator, jury, world, chosen, session.step_length, start.begin, session.time, session.time)
+    watch = _Watch(spectator, jury, world, chosen, session.step_length, start.begin, spectator.departure, session.time)
     until = scenario.end_after(watch.departure)
     moved, headings = session.time, deque[tuple[float, float]]()
     while not watch.ended:
@@ -192,7 +184,6 @@ def _steering_angle(own: RoadUser, time: float, before: tuple[float, float], whe
 
 def _result(scenario: Scenario, watch: _Watch, trip: TripInfo, overrides: tuple[Override, ...]) -> TrialResult:
     departure = watch.departure if trip.departure is None else trip.departure
-    unfinished = departure + watch.end - watch.departure
     return TrialResult(
         scenario=str(scenario.source),
         ego=watch.spectator.id,
@@ -204,7 +195,7 @@ def _result(scenario: Scenario, watch: _Watch, trip: TripInfo, overrides: tuple[
         ended=watch.ended,
         begin_s=watch.begin,
         departure_s=departure,
-        end_s=unfinished if trip.arrival is None else trip.arrival,
+        end_s=watch.end if trip.arrival is None else trip.arrival,
         time_loss_s=trip.time_loss,
         distance_m=trip.length_m,
         figures=_figures(watch),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numba
 import numpy
@@ -18,7 +19,9 @@ from sumo_reactive.experiment.trip import Trip
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.parameters import STUCK_S
 from sumo_reactive.sumo.config import SumoConfig, read_config
+from sumo_reactive.sumo.launch import passed_end
 from sumo_reactive.sumo.net_reader import NetFile, read_net
+from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, is_road_car, sumo_version, type_of
 from sumo_reactive.world.road_graph import RoadGraph
@@ -55,7 +58,8 @@ def run_trial(
             if not trip.arrived:
                 trip.release()
             session.play_out(scenario.end_after(trip.departure), progress)
-        return result_of(scenario, trip, jury, start, chosen, ended)
+        files, result = trip_files(), result_of(scenario, trip, jury, start, chosen, ended)
+    return recounted(files, [result])[0]
 
 
 def _drive(
@@ -124,10 +128,18 @@ def result_of(
         collisions=jury.collisions,
         violations=jury.violations,
         hard_brakes=jury.hard_brakes,
-        overrides=start.overrides,
+        overrides=(*start.overrides, *passed_end(start.config, trip.end, scenario.sumo_options)),
         versions=versions(),
         ghosts=trip.ghosts_made,
+        stopped_s=trip.stopped,
     )
+
+
+def recounted(files: TripFiles, results: Sequence[TrialResult]) -> list[TrialResult]:
+    """Put the egos' figures right in the outputs of a simulation that has ended; return the results with what that was."""
+    egos = {one.ego: Driven(one.duration_s, one.distance_m, one.stopped_s) for one in results}
+    found = put_right(files, egos)
+    return [replace(one, recounts=tuple(it for it in found if it.vehicle in ("", one.ego))) for one in results]
 
 
 def versions() -> dict[str, str]:

@@ -64,9 +64,9 @@ class Trip:
     ) -> None:
         self.ego = Ego(ego_id)
         self.arrived = False
-        self.departure = self.end = session.time
+        self.departure, self.end = self.ego.departure, session.time
         self.step_length = session.step_length
-        self.distance = self.time_loss = 0.0
+        self.distance = self.time_loss = self.stopped = 0.0
         self.stuck = ""
         self._moved = session.time
         self._session = session
@@ -141,8 +141,10 @@ class Trip:
         """
         goal = self._drive.plan.goal
         way = max(self._drive.ego.speed, 0.0) * self.step_length
-        self.arrived = goal is not None and self._front(self._drive) + way >= goal
+        left = math.inf if goal is None else goal - self._front(self._drive)
+        self.arrived = left <= way
         if self.arrived:
+            self.distance += max(left, 0.0)  # the way counts to the goal, as SUMO's does
             self._show(None, None)
             self.ego.arrive()
         return self.arrived
@@ -155,7 +157,9 @@ class Trip:
     def _count(self, step: Step) -> None:
         self.end = self._session.time
         self.distance += step.drive.ego.speed * self.step_length
-        self.time_loss = self.ego.time_loss()
+        if step.drive.memory.serving_until is not None and step.drive.ego.speed < STANDING_SPEED:
+            self.stopped += self.step_length
+        self.time_loss = self.ego.time_loss() - self.stopped
         if step.drive.ego.speed >= STANDING_SPEED:
             self._moved = self.end
         if self.end - self._moved >= STUCK_S:

@@ -61,6 +61,7 @@ class Ego:
         self.id = vehicle_id
         self.vehicle_class: str = vehicle_class
         self.limits: VehicleLimits = limits_of(vehicle_id)
+        self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
         self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)
         self._refuse_oncoming_side()
         self.route = self._read_route()

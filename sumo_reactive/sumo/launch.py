@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, ElementTree, SubElement
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import SumoConfig, is_true, seconds_of
-from sumo_reactive.sumo.option_names import INPUT_FILES, LEFT_OUT, OUTPUT_FILES, SPECIAL_FILES, canonical
+from sumo_reactive.sumo.option_names import INPUT_FILES, LEFT_OUT, OUTPUT_FILES, SPECIAL_FILES, given_options
 
 MAX_STEP_LENGTH_S = 1.0
 DEFAULT_STEP_LENGTH_S = 0.1
@@ -27,6 +27,7 @@ OVERRIDES = {
 }
 """Option: (value used, SUMO's default). What would hide harm, or make two runs differ."""
 
+_END = "end"
 _PORT, _NO_PORT = "remote-port", "0"
 """Where a port is given, SUMO waits for a client to connect and tell it to step."""
 
@@ -93,7 +94,7 @@ def sumo_arguments(
 
     `sumo_options` go last, unchanged; an option named there is the user's, not ours.
     """
-    given = {canonical(option.lstrip("-").partition("=")[0]) for option in sumo_options if option.startswith("-")}
+    given = given_options(sumo_options)
     if _PORT in given:
         raise ScenarioError(f"option '{_PORT}': SUMO runs inside this program and would wait for a client for ever")
     ours = {name: used for name, (used, _) in OVERRIDES.items()} | {"seed": str(seed), "step-length": f"{step_length_s:g}"}
@@ -109,7 +110,14 @@ def sumo_arguments(
     return [*arguments, *sumo_options], changed
 
 
-def _silence(config: SumoConfig, given: set[str]) -> dict[str, str]:
+def passed_end(config: SumoConfig, time: float, sumo_options: Sequence[str]) -> tuple[Override, ...]:
+    """Return the override of the scenario's `end` by an ego that has driven on until `time`, s; empty if there is none."""
+    if config.end_s is None or time <= config.end_s or _END in given_options(sumo_options):
+        return ()
+    return ((_END, config.options[_END], f"{time:.10g}"),)
+
+
+def _silence(config: SumoConfig, given: Mapping[str, str]) -> dict[str, str]:
     """Return options that keep SUMO's log off the terminal, where neither scenario nor user says otherwise."""
     quiet = {} if any(name in config.options or name in given for name in _LOGS) else {"no-warnings": "true"}
     return quiet if "no-step-log" in given else {"no-step-log": "true", **quiet}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 
 def _names(text: str) -> frozenset[str]:
     return frozenset(text.split())
@@ -63,3 +65,13 @@ SPECIAL_FILES = ("stdout", "stderr", "-", "nul")
 def canonical(name: str) -> str:
     """Return the full name of an option."""
     return SYNONYMS.get(name, name)
+
+
+def given_options(words: Sequence[str]) -> dict[str, str]:
+    """Return value by full name of each option on a command line."""
+    given: dict[str, str] = {}
+    for k, option in enumerate(words):
+        if option.startswith("-"):
+            name, is_joined, value = option.lstrip("-").partition("=")
+            given[canonical(name)] = value if is_joined else "".join(words[k + 1 : k + 2])
+    return given

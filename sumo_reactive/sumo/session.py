@@ -67,6 +67,10 @@ class Session:
         end = float(libsumo.simulation.getEndTime())
         return libsumo.simulation.getMinExpectedNumber() <= 0 or (0.0 <= end <= self.time)
 
+    def is_past_end(self) -> bool:
+        """Whether the scenario's end lies behind."""
+        return 0.0 <= float(libsumo.simulation.getEndTime()) < self.time
+
     def wait_for(
         self, wanted: Callable[[str], bool], until: float | None, progress: Progress | None, name: str = ""
     ) -> str:

@@ -35,6 +35,7 @@ class Spectator:
     def __init__(self, vehicle_id: str, reach: float) -> None:
         self.id = vehicle_id
         self.limits: VehicleLimits = limits_of(vehicle_id)
+        self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
         self.arrived = False
         self.teleports = 0
         self._reach = reach

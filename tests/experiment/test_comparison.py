@@ -149,10 +149,10 @@ def test_both_runs_play_the_same_traffic_to_the_same_time(small):
 
 
 def test_a_run_whose_ego_is_still_under_way_at_the_horizon_ends_when_the_other_does(tmp_path):
-    slow = replace(load_scenario(FOUR_WAY), profile=Profile.PAPER)  # takes 34.3 s, SUMO's own driver 33.5 s
+    slow = replace(load_scenario(FOUR_WAY), profile=Profile.PAPER)  # takes 34.4 s, SUMO's own driver 33.5 s
     ends, scenario = [], replace(slow, until_end=True, horizon_s=33.6)
     for run in (run_sumo_driver, run_trial):
         totals = tmp_path / f"{run.__name__}.xml"
         result = run(replace(scenario, sumo_options=("--statistic-output", str(totals))))
         ends.append((result.arrived, totals.read_text(encoding="utf-8").partition(' end="')[2].partition('"')[0]))
-    assert ends == [(True, "45.70"), (False, "45.70")]
+    assert ends == [(True, "45.60"), (False, "45.60")]

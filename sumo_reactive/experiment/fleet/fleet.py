@@ -11,16 +11,18 @@ from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, Simulat
 from sumo_reactive.experiment.fleet.egos import EgoRule
 from sumo_reactive.experiment.fleet.worlds import Worlds
 from sumo_reactive.experiment.metrics import Jury
-from sumo_reactive.experiment.result import TrialResult
+from sumo_reactive.experiment.result import Override, TrialResult
 from sumo_reactive.experiment.scenario import Scenario, require_parameters
 from sumo_reactive.experiment.start import Started, started
-from sumo_reactive.experiment.trial import result_of
+from sumo_reactive.experiment.trial import recounted, result_of
 from sumo_reactive.experiment.trip import Order, Trip, world_kept
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.parameters import STUCK_S
 from sumo_reactive.sumo.devices import Equipment
 from sumo_reactive.sumo.ego import give_back
+from sumo_reactive.sumo.launch import passed_end
 from sumo_reactive.sumo.net_reader import read_net
+from sumo_reactive.sumo.recount import Recount, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress
 from sumo_reactive.world.road_graph import RoadGraph
@@ -47,6 +49,7 @@ class FleetResult:
     until: float
     step_us: float
     wall_s: float
+    overrides: tuple[Override, ...] = ()
 
     @property
     def faulty(self) -> tuple[TrialResult, ...]:
@@ -55,6 +58,11 @@ class FleetResult:
 
     def _is_excused(self, result: TrialResult) -> bool:
         return result.arrived or result.ego in self.on_their_way
+
+    @property
+    def recounts(self) -> tuple[Recount, ...]:
+        """What was put right in SUMO's own outputs."""
+        return tuple(dict.fromkeys(one for result in self.results for one in result.recounts))
 
     @property
     def exit_code(self) -> int:
@@ -139,7 +147,7 @@ class Fleet:
 
     def _take_over(self) -> None:
         seed, session = self._scenario.seed, self._start.session
-        for vehicle_id in session.departed:
+        for vehicle_id in () if session.is_past_end() else session.departed:
             if self._rule.chooses(vehicle_id, self._equipment, seed):
                 self._admit(vehicle_id)
 
@@ -190,29 +198,30 @@ def run_fleet(
 ) -> FleetResult:
     """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
 
-    Ends at `until_s` at the latest. Raises what `run_trial` raises; a vehicle that is not named and cannot be taken over is
-    no error.
+    Nobody is taken over after the scenario's end; who is under way then drives on, to `until_s` at the latest. Raises what
+    `run_trial` raises; a vehicle that is not named and cannot be taken over is no error.
     """
     require_parameters(scenario)
     began = clock.perf_counter()
     with started(scenario) as start, world_kept():
-        fleet, session = Fleet(start, scenario, rule, observer, survey), start.session
-        while not fleet.is_done and not session.is_over():
+        fleet, session, until = Fleet(start, scenario, rule, observer, survey), start.session, scenario.latest_end
+        while not fleet.is_done and (fleet.size or not session.is_over()):
             fleet.step()
             if progress is not None:
                 progress(session.time, f"{fleet.size} egos on their way, {len(fleet.results)} have ended")
-            if scenario.until_s is not None and session.time >= scenario.until_s:
+            if until is not None and session.time >= until:
                 break
+        overrides = (*start.overrides, *passed_end(start.config, session.time, scenario.sumo_options))
         fleet.end(f"until {session.time:g} s")
         if scenario.until_end:
-            session.play_out(scenario.until_s, progress)
-        until = session.time
-        _require_egos(fleet, rule, scenario, until)
-    ordered = sorted(fleet.results, key=lambda one: one[0])
+            session.play_out(until, progress)
+        ended, files = session.time, trip_files()
+        _require_egos(fleet, rule, scenario, ended)
+    ordered = recounted(files, [result for _, result in sorted(fleet.results, key=lambda one: one[0])])
     step_us = 1e6 * fleet.busy_s / max(fleet.ego_steps, 1)
     wall = clock.perf_counter() - began
     return FleetResult(
-        tuple(result for _, result in ordered), tuple(fleet.refused), frozenset(fleet.cut_short), until, step_us, wall
+        tuple(ordered), tuple(fleet.refused), frozenset(fleet.cut_short), ended, step_us, wall, overrides
     )
 
 

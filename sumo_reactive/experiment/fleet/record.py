@@ -11,6 +11,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.ego_folders import FLEET, EgoFolders
 from sumo_reactive.experiment.fleet.fleet import FleetResult
 from sumo_reactive.experiment.recorder import DECISIONS, PAGE, REGIONS, SUMMARY, TRAJECTORY, Record, replaced_in
+from sumo_reactive.experiment.summary import overrides_of, recounts_of
 from sumo_reactive.messages.record import Scene
 from sumo_reactive.world.road_graph import RoadGraph
 from sumo_reactive.writing import whole_folder
@@ -57,6 +58,8 @@ def fleet_summary(fleet: FleetResult, folder_of: Callable[[str], str]) -> dict[s
         "egos": [
             {"ego": one.ego, "folder": folder_of(one.ego), "verdict": one.verdict, **one.metrics} for one in fleet.results
         ],
+        "overrides": overrides_of(fleet.overrides),
+        "recounts": recounts_of(fleet.recounts),
         "refused": [{"vehicle": name, "reason": reason} for name, reason in fleet.refused],
         "timing": {"ego_step_us": round(fleet.step_us, 1), "wall_s": round(fleet.wall_s, 2)},
     }
