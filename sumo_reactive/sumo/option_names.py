@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 
 def _names(text: str) -> frozenset[str]:
     return frozenset(text.split())
@@ -58,6 +60,18 @@ OUTPUT_FILES = _names(
 
 SPECIAL_FILES = ("stdout", "stderr", "-", "nul")
 """Names that SUMO does not take for paths (in any case)."""
+
+
+def named_in(options: Sequence[str]) -> set[str]:
+    """Return the full names of the options on a command line; letters behind a single dash may stand together."""
+    found: set[str] = set()
+    for option in options:
+        name = option.lstrip("-").partition("=")[0]
+        if option.startswith("--") or name in SYNONYMS:
+            found.add(canonical(name))
+        elif option.startswith("-"):
+            found |= {canonical(letter) for letter in name}
+    return found
 
 
 def canonical(name: str) -> str:
