@@ -42,10 +42,11 @@ def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: 
     """Drive every vehicle that the rule chooses; return the exit code."""
     from sumo_reactive.experiment.fleet.fleet import run_fleet
     from sumo_reactive.experiment.fleet.record import FleetRecorder
+    from sumo_reactive.sumo.crash import crashes_told
 
     recorder = FleetRecorder(out, overwrite=overwrite) if out else None
     note_compiling()
-    with progress_shown(quiet) as progress:
+    with progress_shown(quiet) as progress, crashes_told():
         if recorder is None:
             fleet = run_fleet(scenario, rule, progress=progress)
         else:
@@ -59,6 +60,7 @@ def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: 
 def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     arrived = sum(result.arrived for result in fleet.results)
     typer.echo(
@@ -74,6 +76,6 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
         is_cut_short = result.ego in fleet.on_their_way and result not in fleet.faulty
         verdict = "on its way" if is_cut_short else result.verdict
         figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
-        table.add_row(result.ego, *figures, verdict)
+        table.add_row(Text(result.ego), *figures, Text(verdict))
     Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH).print(table)
     typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")
