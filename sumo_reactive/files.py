@@ -8,12 +8,14 @@ import os
 import stat
 import zlib
 from pathlib import Path
+from typing import IO
 
 from sumo_reactive.errors import InputError, ScenarioError
 
 MOST_BYTES = 2**32
 """More than this is read from no file, packed or not."""
 
+_PART_BYTES = 2**24
 _GZIP_MAGIC = b"\x1f\x8b"
 _KINDS = (
     (stat.S_ISDIR, "a directory"),
@@ -34,11 +36,11 @@ def content_of(path: Path, error: type[InputError] = ScenarioError, most: int = 
         try:
             _require_regular(path, os.fstat(handle).st_mode, error)
             with open(handle, "rb", closefd=False) as file:
-                data = file.read(most + 1)
+                data = _bounded(file, most)
         finally:
             os.close(handle)
         if data.startswith(_GZIP_MAGIC):
-            data = gzip.GzipFile(fileobj=io.BytesIO(data)).read(most + 1)
+            data = _bounded(gzip.GzipFile(fileobj=io.BytesIO(data)), most)
     except FileNotFoundError as problem:
         raise error(f"{path}: no such file") from problem
     except EOFError as problem:
@@ -76,6 +78,16 @@ def require_file(path: Path, error: type[InputError] = ScenarioError) -> None:
     except (OSError, ValueError) as problem:
         raise error(f"{path}: cannot be read: {getattr(problem, 'strerror', None) or problem}") from problem
     _require_regular(path, mode, error)
+
+
+def _bounded(stream: IO[bytes] | gzip.GzipFile, most: int) -> bytes:
+    """Return what a stream gives, or a part of it that is longer than `most` bytes; takes no more memory than that is."""
+    parts: list[bytes] = []
+    left = most + 1
+    while left > 0 and (part := stream.read(min(left, _PART_BYTES))):
+        parts.append(part)
+        left -= len(part)
+    return b"".join(parts)
 
 
 def _require_regular(path: Path, mode: int, error: type[InputError]) -> None:

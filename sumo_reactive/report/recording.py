@@ -76,7 +76,7 @@ def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any
     path = recording.folder / TRAJECTORY
     try:
         rows = duckdb.read_parquet(str(path)).order("time_s").project(", ".join(names)).fetchall()
-    except duckdb.Error as error:
+    except (duckdb.Error, MemoryError) as error:
         raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
     if not rows:
         raise ScenarioError(f"{recording.folder}: the run has no steps")
