@@ -1,6 +1,23 @@
 """`python -m sumo_reactive` is `sumo-reactive`."""
 
-from sumo_reactive.cli import main
+import os
+import signal
+
+
+def main() -> None:
+    """Run the command line; an interrupt while its modules are loaded, or when all is done, is one line, too."""
+    for name in ("SIGINT", "SIGTERM"):
+        if signal.getsignal(getattr(signal, name)) is not signal.SIG_IGN:
+            signal.signal(getattr(signal, name), _leave)
+    from sumo_reactive.cli import main as run
+
+    run()
+
+
+def _leave(*_: object) -> None:
+    os.write(2, b"sumo-reactive: interrupted\n")
+    os._exit(130)
+
 
 if __name__ == "__main__":
     main()

@@ -89,13 +89,14 @@ def kernel(function: Function) -> Function:
 
 @contextmanager
 def interrupts_kept() -> Iterator[None]:
-    """Let an interrupt from the keyboard end what loads kernels as a `KeyboardInterrupt`, whenever it comes.
+    """Let an interrupt, or a request to terminate, end what loads kernels as a `KeyboardInterrupt`, whenever it comes.
 
     The compiler calls back into Python from machine code, which swallows an interrupt there or turns it into a
     `SystemError`.
     """
-    before = signal.getsignal(signal.SIGINT)
-    if not callable(before) or threading.current_thread() is not threading.main_thread():
+    taken = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: handler for number, handler in taken.items() if callable(handler)}
+    if not before or threading.current_thread() is not threading.main_thread():
         yield
         return
     interrupted = False
@@ -103,15 +104,17 @@ def interrupts_kept() -> Iterator[None]:
     def noted(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
         interrupted = True
-        before(number, frame)
+        before[signal.Signals(number)](number, frame)
 
-    signal.signal(signal.SIGINT, noted)
+    for number in before:
+        signal.signal(number, noted)
     try:
         yield
     except Exception:
         if not interrupted:
             raise
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
     if interrupted:
         raise KeyboardInterrupt

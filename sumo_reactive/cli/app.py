@@ -60,6 +60,7 @@ def progress_shown(quiet: bool) -> Iterator[Progress | None]:
         yield None
         return
     from rich.console import Console
+    from rich.text import Text
 
     with Console(stderr=True).status("starting SUMO") as status:
-        yield lambda time, text: status.update(f"{time:8.1f} s  {text}")
+        yield lambda time, text: status.update(Text(f"{time:8.1f} s  {text}"))

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import signal
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -31,7 +29,6 @@ def batch(
     experiment = load_experiment(file)
     if dry_run:
         return _list(experiment)
-    _stop_on_termination()
     return _run(experiment, workers or len(os.sched_getaffinity(0)), scheduler, retry_failed)
 
 
@@ -77,11 +74,3 @@ def _conclude(experiment: Experiment, trials: list[Trial], failed: list[tuple[st
     typer.echo(f"{there} of {len(trials)} trials have a result: sumo-reactive results {experiment.store}")
     return 1 if failed else 0
 
-
-def _stop_on_termination() -> None:
-    """Let a request to terminate, as batch systems send it, end the batch as an interrupt from the keyboard does."""
-
-    def interrupt(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGTERM, partial(interrupt))

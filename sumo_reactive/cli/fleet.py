@@ -42,10 +42,11 @@ def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: 
     """Drive every vehicle that the rule chooses; return the exit code."""
     from sumo_reactive.experiment.fleet.fleet import run_fleet
     from sumo_reactive.experiment.fleet.record import FleetRecorder
+    from sumo_reactive.sumo.crash import crashes_told
 
     recorder = FleetRecorder(out, overwrite=overwrite) if out else None
     note_compiling()
-    with progress_shown(quiet) as progress:
+    with progress_shown(quiet) as progress, crashes_told():
         if recorder is None:
             fleet = run_fleet(scenario, rule, progress=progress)
         else:
@@ -60,6 +61,7 @@ def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: 
 def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     from sumo_reactive.experiment.metric_names import METRICS
     from sumo_reactive.experiment.summary import changed_rows
@@ -78,7 +80,7 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
         is_cut_short = result.ego in fleet.on_their_way and result not in fleet.faulty
         verdict = "on its way" if is_cut_short else result.verdict
         figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
-        table.add_row(result.ego, *figures, verdict)
+        table.add_row(Text(result.ego), *figures, Text(verdict))
     Console(highlight=False, width=None if sys.stdout.isatty() else PLAIN_WIDTH).print(table)
     for label, text in changed_rows(fleet.overrides, fleet.recounts):
         typer.echo(f"{label}  {text}")

@@ -114,9 +114,10 @@ def _with_options(
 
 def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialResult:
     from sumo_reactive.experiment.trial import run_trial
+    from sumo_reactive.sumo.crash import crashes_told
 
     note_compiling()
-    with progress_shown(quiet) as progress:
+    with progress_shown(quiet) as progress, crashes_told():
         if recorder is None:
             return run_trial(scenario, progress=progress)
         return run_trial(scenario, observer=recorder.see, progress=progress, survey=recorder.survey)
@@ -137,7 +138,7 @@ def _show(result: TrialResult, quiet: bool) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=result.scenario, show_header=False)
+    table = Table(title=Text(result.scenario), show_header=False)
     for label, text in rows:
         table.add_row(Text(label), Text(text, style="bold" if label == "verdict" else ""))
     Console().print(table)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import NamedTuple
 
 from sumo_reactive.experiment.result import Override
@@ -32,10 +30,10 @@ def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[St
     """
     config = read_config(scenario.config)
     step_length = chosen_step_length(config, scenario.step_length_s)
-    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
-        runnable, left_out = runnable_config(config, Path(folder))
-        arguments, changed = sumo_arguments(
-            config, runnable, seed=scenario.seed, step_length_s=step_length, sumo_options=scenario.sumo_options
-        )
-        with Session([*arguments, *more_options]) as session:
-            yield Started(session, config, (*changed, *left_out), session.time)
+    runnable, left_out = runnable_config(config)
+    options = (*scenario.sumo_options, *more_options)
+    arguments, changed = sumo_arguments(
+        config, runnable, seed=scenario.seed, step_length_s=step_length, sumo_options=options
+    )
+    with Session(arguments) as session:
+        yield Started(session, config, (*changed, *left_out), session.time)

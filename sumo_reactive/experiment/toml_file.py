@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.files import text_of
 
 Model = TypeVar("Model", bound=BaseModel)
 KeyPath = Sequence[str | int]
@@ -20,10 +21,16 @@ KeyPath = Sequence[str | int]
 MOST_NAMES = 3
 """So many of the nearest names are shown for one that is unknown."""
 
+MOST_BYTES = 2**20
+"""A file that people write is smaller."""
+
+MOST_LINES = 1000
+"""In a longer file the line of a problem is not looked for: that takes a time that grows with its square."""
+
 
 def read_toml(path: Path, schema: type[Model]) -> Model:
     """Return the contents of `path` as `schema` describes them; raise ScenarioError naming file, line and key."""
-    text = text_of(path)
+    text = text_of(path, most=MOST_BYTES)
     try:
         return schema.model_validate(tomllib.loads(text))
     except ValidationError as error:
@@ -33,16 +40,10 @@ def read_toml(path: Path, schema: type[Model]) -> Model:
         raise ScenarioError(f"{path}{f':{line}' if line else ''}: {_told(problem, keys, schema)}") from error
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path}{_line_in(str(error))}: not TOML: {_without_place(str(error))}") from error
-
-
-def text_of(path: Path) -> str:
-    """Return what a file holds; raise ScenarioError if it cannot be read."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError as error:
-        raise ScenarioError(f"{path}: no such file") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    except ValueError as error:  # a date that is none, a number of too many digits
+        raise ScenarioError(f"{path}: not TOML: {error}") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{path}: nested too deeply") from error
 
 
 def line_of(text: str, keys: KeyPath) -> int | None:
@@ -51,6 +52,8 @@ def line_of(text: str, keys: KeyPath) -> int | None:
     `text` is TOML. A prefix that ends within a statement is no TOML, so each prefix that is ends a statement.
     """
     lines = text.splitlines()
+    if len(lines) > MOST_LINES:
+        return None
     for depth in range(len(keys), 0, -1):
         begin = 1
         for end in range(1, len(lines) + 1):

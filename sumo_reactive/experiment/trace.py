@@ -8,10 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.messages.assessment import Assessment, Encounter, Outcome
-from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
-from sumo_reactive.messages.event import Event, EventKind
+from sumo_reactive.experiment.json_file import MOST_BYTES, checked
+from sumo_reactive.experiment.trace_keys import DecisionKeys, LineKeys
+from sumo_reactive.files import text_of
+from sumo_reactive.messages.assessment import Assessment, Encounter
+from sumo_reactive.messages.decision import Behaviour, Decision, Instruction, RegionState
+from sumo_reactive.messages.event import Event
 from sumo_reactive.messages.record import StepRecord
 
 Line = dict[str, Any]
@@ -72,36 +74,42 @@ def line_of(entry: Entry) -> Line:
 
 
 def entry_of(line: Mapping[str, Any]) -> Entry:
-    """Return the entry that a line holds; raise KeyError, TypeError or ValueError for another line."""
-    return Entry(
-        time=float(line["time_s"]),
-        events=tuple(Event(EventKind(one["event"]), one["cause"]) for one in line["events"]),
-        assessment=_assessment_of(line["assessment"]),
-        behaviour=Behaviour(line["behaviour"]),
-        instruction=Instruction(line["instruction"]),
-        decisions=tuple(_decision_of(one) for one in line["decisions"]),
-        regions=tuple(RegionState(one["region"], Occupancy(one["state"]), one["user"]) for one in line["regions"]),
-        emergency=bool(line.get("emergency", False)),
-        hazard=str(line.get("hazard", "")),
-    )
+    """Return the entry that a line holds; raise ValueError for another line."""
+    return _entry(LineKeys.model_validate_json(json.dumps(line)))
 
 
 def read_entries(path: Path) -> tuple[Entry, ...]:
     """Read `decisions.jsonl`; raise ScenarioError with file and line for what is none."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
-    return tuple(_read_line(path, number, line) for number, line in enumerate(lines, start=1))
+    lines = text_of(path, most=MOST_BYTES).split("\n")
+    told = "a record of this release"
+    return tuple(
+        _entry(checked(line, LineKeys, f"{path}:{number}", told))
+        for number, line in enumerate(lines[:-1] if lines[-1] == "" else lines, start=1)
+    )
 
 
-def _read_line(path: Path, number: int, line: str) -> Entry:
-    try:
-        return entry_of(json.loads(line))
-    except KeyError as error:
-        raise ScenarioError(f"{path}:{number}: key {error} is missing: not a record of this release") from error
-    except (TypeError, ValueError) as error:
-        raise ScenarioError(f"{path}:{number}: not a record of this release: {error}") from error
+def _entry(line: LineKeys) -> Entry:
+    meets = line.assessment.encounter
+    encounter = None
+    if meets is not None:
+        encounter = Encounter(meets.user, *map(_number, (meets.time_s, meets.s_m, meets.x_m, meets.y_m)))
+    lateness, constraint = _number(line.assessment.lateness_s), _number(line.assessment.constraint_m)
+    return Entry(
+        time=line.time_s,
+        events=tuple(Event(one.event, one.cause) for one in line.events),
+        assessment=Assessment(line.assessment.outcome, lateness, constraint, encounter),
+        behaviour=line.behaviour,
+        instruction=line.instruction,
+        decisions=tuple(_decision(one) for one in line.decisions),
+        regions=tuple(RegionState(one.region, one.state, one.user) for one in line.regions),
+        emergency=line.emergency,
+        hazard=line.hazard,
+    )
+
+
+def _decision(keys: DecisionKeys) -> Decision:
+    figures = tuple((name, _number(value)) for name, value in keys.figures.items())
+    return Decision(keys.behaviour, keys.reason, keys.region, keys.cause, keys.passes, figures)
 
 
 def _assessment_line(assessment: Assessment) -> Line:
@@ -120,14 +128,6 @@ def _assessment_line(assessment: Assessment) -> Line:
     }  # fmt: skip
 
 
-def _assessment_of(line: Mapping[str, Any]) -> Assessment:
-    meets = line["encounter"]
-    encounter = None
-    if meets is not None:
-        encounter = Encounter(meets["user"], *(_number(meets[key]) for key in ("time_s", "s_m", "x_m", "y_m")))
-    return Assessment(Outcome(line["outcome"]), _number(line["lateness_s"]), _number(line["constraint_m"]), encounter)
-
-
 def _decision_line(decision: Decision) -> Line:
     return {
         "behaviour": decision.behaviour.value,
@@ -139,15 +139,9 @@ def _decision_line(decision: Decision) -> Line:
     }
 
 
-def _decision_of(line: Mapping[str, Any]) -> Decision:
-    figures = tuple((name, _number(value)) for name, value in line["figures"].items())
-    behaviour, reason = Behaviour(line["behaviour"]), Reason(line["reason"])
-    return Decision(behaviour, reason, line["region"], line["cause"], bool(line["passes"]), figures)
-
-
 def _rounded(value: float) -> float | None:
     return round(value, 3) if math.isfinite(value) else None
 
 
 def _number(value: float | None) -> float:
-    return math.inf if value is None else float(value)
+    return math.inf if value is None else value

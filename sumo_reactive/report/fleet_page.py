@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shlex
 from collections.abc import Mapping
@@ -10,10 +9,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.ego_folders import FLEET, folders_in
+from sumo_reactive.experiment.json_file import read_json
 from sumo_reactive.report.frame.labels import number, title_of
 from sumo_reactive.report.frame.page import Section, code, link, page, paragraph_of, table
+from sumo_reactive.report.record_keys import FleetKeys
 
 METRICS = ("duration_s", "time_loss_s", "distance_m", "collisions", "violations", "hard_braking_caused", "rms_jerk_m_s3")
 """What the table shows of each ego."""
@@ -21,14 +21,10 @@ METRICS = ("duration_s", "time_loss_s", "distance_m", "collisions", "violations"
 
 def fleet_page(folder: Path, target: Path, own_page: str) -> str:
     """Return the page as it stands in `target`; an ego's own page is `own_page` in its folder, linked if it is there."""
-    try:
-        fleet = json.loads((folder / FLEET).read_text(encoding="utf-8"))
-        egos, refused = list(fleet["egos"]), list(fleet["refused"])
-        folders = folders_in(folder / FLEET)
-        rows = [_row(one, folder / own, target, own_page) for one, own in zip(egos, folders, strict=True)]
-        left = [(one["vehicle"], one["reason"]) for one in refused]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise ScenarioError(f"{folder / FLEET}: not the record of several egos: {error}") from error
+    fleet = read_json(folder / FLEET, FleetKeys, "the record of several egos")
+    egos, folders = [one.model_dump() for one in fleet.egos], folders_in(folder / FLEET)
+    rows = [_row(one, folder / own, target, own_page) for one, own in zip(egos, folders, strict=True)]
+    left = [(one.vehicle, one.reason) for one in fleet.refused]
     clean = sum(one["verdict"].startswith("arrived without") for one in egos)
     sections = (
         Section("egos", "Egos", [

@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import duckdb
+from pydantic import TypeAdapter, ValidationError
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.recorder import DECISIONS, SUMMARY, TRAJECTORY
+from sumo_reactive.experiment.json_file import read_json
+from sumo_reactive.experiment.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
 from sumo_reactive.experiment.sealed import parquet_rows
 from sumo_reactive.experiment.trace import Entry, read_entries
+from sumo_reactive.files import is_there
+from sumo_reactive.report.record_keys import COLUMNS, Regions, SummaryKeys
+
+MAX_STEPS = 1_000_000
+"""More than a day in steps of 0.1 s."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """The record in `folder`: its summary as plain data and the pilot's entries in order of time."""
+    """The record in `folder`: its summary as plain data, the pilot's entries in order of time, outlines of regions, m."""
 
     folder: Path
     summary: Mapping[str, Any]
     entries: tuple[Entry, ...]
+    regions: Mapping[str, Sequence[Sequence[float]]] = field(default_factory=dict)
 
 
 class EgoState(NamedTuple):
@@ -35,46 +43,53 @@ class EgoState(NamedTuple):
     gap: float | None
 
 
-_NEEDED = ("ego", "scenario", "verdict", "figures")
-_STATE = "time_s, speed_m_s, desired_speed_m_s, leader, gap_m"
+_STATE = ("time_s", "speed_m_s", "desired_speed_m_s", "leader", "gap_m")
 CLOSE_S = 1e-6
 """Times nearer than this are the same, s."""
 
 
 def load(folder: Path) -> Recording:
-    """Read the record of a run; raise ScenarioError for a folder that holds none."""
+    """Read the record of a run; raise ScenarioError for a folder that holds none, naming file and key."""
     if not folder.is_dir():
         raise ScenarioError(f"{folder}: {'a file, not a folder' if folder.exists() else 'no such folder'}")
     missing = [name for name in (SUMMARY, DECISIONS, TRAJECTORY) if not (folder / name).is_file()]
     if missing:
         raise ScenarioError(f"{folder}: not the record of a run: it has no {' and no '.join(missing)}")
-    return Recording(folder, _summary(folder / SUMMARY), read_entries(folder / DECISIONS))
+    summary = read_json(folder / SUMMARY, SummaryKeys, "the summary of a run").model_dump(exclude_unset=True)
+    entries = tuple(sorted(read_entries(folder / DECISIONS), key=lambda entry: entry.time))
+    has_regions = is_there(folder / REGIONS)
+    regions = read_json(folder / REGIONS, Regions, "the regions of a run") if has_regions else {}
+    return Recording(folder, summary, entries, regions)
 
 
 def state_at(recording: Recording, time: float) -> EgoState:
     """Return the ego at the last step up to `time` (s); raise ScenarioError for a time outside the run."""
+    columns = columns_of(recording, _STATE)
+    times = columns["time_s"]
+    if not times[0] - CLOSE_S <= time <= times[-1] + CLOSE_S:
+        raise ScenarioError(f"{recording.folder}: {time:g} s is outside the run ({times[0]:.1f} to {times[-1]:.1f} s)")
+    k = bisect_right(times, time + CLOSE_S) - 1
+    return EgoState(*(columns[name][k] for name in _STATE))
+
+
+def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any]]:
+    """Return columns of the trajectory, a value a step in order of time, None where there is none.
+
+    Raises ScenarioError for a file that lacks one, holds something else in it, or has no step.
+    """
     path = recording.folder / TRAJECTORY
     try:
-        ((first, last),) = parquet_rows(path, "SELECT min(time_s), max(time_s) FROM steps", 1)
-        if first is None:
-            raise ScenarioError(f"{recording.folder}: the run has no steps")
-        if not first - CLOSE_S <= time <= last + CLOSE_S:
-            raise ScenarioError(f"{recording.folder}: {time:g} s is outside the run ({first:.1f} to {last:.1f} s)")
-        last_up_to = f"WHERE time_s <= {time + CLOSE_S!r} ORDER BY time_s DESC LIMIT 1"
-        found = parquet_rows(path, f"SELECT {_STATE} FROM steps {last_up_to}", 1)
-    except duckdb.Error as error:
+        rows = parquet_rows(path, f"SELECT {', '.join(names)} FROM steps ORDER BY time_s", MAX_STEPS)
+    except (duckdb.Error, MemoryError) as error:
         raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
-    return EgoState(*found[0])
-
-
-def _summary(path: Path) -> Mapping[str, Any]:
-    try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise ScenarioError(f"{path}: not the summary of a run: {error}") from error
-    if not isinstance(summary, dict):
-        raise ScenarioError(f"{path}: not the summary of a run")
-    missing = [key for key in _NEEDED if key not in summary]
-    if missing:
-        raise ScenarioError(f"{path}: not the summary of a run: key '{missing[0]}' is missing")
-    return summary
+    if not rows:
+        raise ScenarioError(f"{recording.folder}: the run has no steps")
+    columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
+    for name, values in columns.items():
+        try:
+            TypeAdapter(COLUMNS[name]).validate_python(values, strict=True)
+        except ValidationError as error:
+            problem = error.errors()[0]
+            told = f"column '{name}', step {problem['loc'][0]}: {problem['msg']}"
+            raise ScenarioError(f"{path}: not the trajectory of a run: {told}") from error
+    return columns

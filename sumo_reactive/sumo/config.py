@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import gzip
+import math
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, fromstring
 
 from sumo_reactive.errors import NetworkError, ScenarioError
+from sumo_reactive.files import content_of, is_there, require_file
 from sumo_reactive.sumo.option_names import canonical
 
 ROOT_TAGS = ("configuration", "sumoConfiguration")
@@ -31,7 +32,7 @@ class SumoConfig:
 
     def mentions(self, marks: Iterable[bytes]) -> bool:
         """Whether a route or additional file, compressed or not, contains one of `marks`."""
-        contents = [_content(file) for file in (*self.route_files, *self.additional_files)]
+        contents = [content_of(file) for file in (*self.route_files, *self.additional_files) if is_there(file)]
         return any(mark in content for mark in marks for content in contents)
 
 
@@ -42,8 +43,8 @@ def read_config(path: Path) -> SumoConfig:
         path=path,
         options=options,
         net_file=_net_file(path, options),
-        route_files=_paths(path, options.get("route-files", "")),
-        additional_files=_paths(path, options.get("additional-files", "")),
+        route_files=paths_beside(path, options.get("route-files", "")),
+        additional_files=paths_beside(path, options.get("additional-files", "")),
         begin_s=_time(path, options, "begin", "0"),
         end_s=_end(path, options),
         step_length_s=_time(path, options, "step-length", "1"),
@@ -56,13 +57,6 @@ def read_config(path: Path) -> SumoConfig:
     return config
 
 
-def _content(file: Path) -> bytes:
-    if not file.is_file():
-        return b""
-    data = file.read_bytes()
-    return gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
-
-
 def is_true(text: str) -> bool:
     """Whether SUMO takes an option's text for yes."""
     return text.strip().lower() in ("true", "1", "yes", "on", "x", "t")
@@ -73,21 +67,20 @@ def seconds_of(text: str) -> float:
     parts = [float(part) for part in text.strip().split(":")]
     if len(parts) not in (1, 3, 4):
         raise ValueError(text)
-    return sum(part * unit for part, unit in zip(reversed(parts), (1.0, 60.0, 3600.0, 86400.0), strict=False))
+    seconds = sum(part * unit for part, unit in zip(reversed(parts), (1.0, 60.0, 3600.0, 86400.0), strict=False))
+    if not math.isfinite(seconds):
+        raise ValueError(text)
+    return seconds
 
 
 def _root(path: Path) -> Element:
     try:
-        return fromstring(path.read_bytes())
+        return fromstring(content_of(path))
     except ParseError as error:
         line, column = error.position
         raise ScenarioError(f"{path}:{line}: not XML: {str(error).split(':')[0]} at column {column}") from error
-    except FileNotFoundError as error:
-        raise ScenarioError(f"{path}: no such file") from error
-    except IsADirectoryError as error:
-        raise ScenarioError(f"{path}: a directory, not a SUMO configuration") from error
-    except (OSError, ValueError, LookupError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    except (ValueError, LookupError) as error:
+        raise ScenarioError(f"{path}: not XML: {error}") from error
 
 
 def _options(path: Path) -> dict[str, str]:
@@ -102,15 +95,15 @@ def _net_file(path: Path, options: Mapping[str, str]) -> Path:
     named = options.get("net-file", "").strip()
     if not named:
         raise ScenarioError(f"{path}: no net-file")
-    net = _paths(path, named)[0]
-    if net.is_dir():
-        raise NetworkError(f"{net}: a directory, not a network (net-file of {path})")
-    if not net.exists():
+    net = paths_beside(path, named)[0]
+    require_file(net, NetworkError)
+    if not is_there(net):
         raise NetworkError(f"{net}: no such file (net-file of {path})")
     return net
 
 
-def _paths(path: Path, value: str) -> tuple[Path, ...]:
+def paths_beside(path: Path, value: str) -> tuple[Path, ...]:
+    """Return the files that an option of the configuration at `path` names, separated by commas."""
     names = (os.path.expandvars(name.strip()) for name in value.split(","))
     return tuple(path.absolute().parent / name for name in names if name)
 

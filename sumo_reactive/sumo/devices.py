@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import gzip
+import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import IO, cast
 from xml.etree.ElementTree import Element, ParseError, iterparse
 
 import libsumo
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.files import content_of, is_there
 from sumo_reactive.sumo.config import SumoConfig, is_true
 
 HAS_DEVICE = "has.reactive.device"
@@ -51,28 +51,22 @@ class Equipment:
 def _of_vehicles(config: SumoConfig) -> Iterator[tuple[str, float]]:
     """Yield the share for each vehicle, trip or flow of which a file says one."""
     for file in (*config.route_files, *config.additional_files):
-        if file.is_file():
+        if is_there(file):
             yield from _in_file(file)
 
 
 def _in_file(file: Path) -> Iterator[tuple[str, float]]:
-    with _opened(file) as stream:
-        try:
-            for _, node in iterparse(stream):
-                if node.tag in _OF_VEHICLES:
-                    share = _share(_said(node), f"{file}: {node.tag} '{node.get('id')}'")
-                    if share is not None:
-                        yield node.get("id", ""), share
-                    node.clear()
-        except ParseError as error:
-            raise ScenarioError(f"{file}:{error.position[0]}: not XML: {str(error).split(':')[0]}") from error
-
-
-def _opened(file: Path) -> IO[bytes]:
-    stream = file.open("rb")
-    is_packed = stream.read(2) == b"\x1f\x8b"
-    stream.seek(0)
-    return cast(IO[bytes], gzip.open(stream)) if is_packed else stream
+    try:
+        for _, node in iterparse(io.BytesIO(content_of(file))):
+            if node.tag in _OF_VEHICLES:
+                share = _share(_said(node), f"{file}: {node.tag} '{node.get('id')}'")
+                if share is not None:
+                    yield node.get("id", ""), share
+                node.clear()
+    except ParseError as error:
+        raise ScenarioError(f"{file}:{error.position[0]}: not XML: {str(error).split(':')[0]}") from error
+    except (ValueError, LookupError) as error:
+        raise ScenarioError(f"{file}: not XML: {error}") from error
 
 
 def _said(node: Element) -> dict[str, str]:

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from xml.etree.ElementTree import Element, ElementTree, SubElement
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.config import SumoConfig, is_true, seconds_of
-from sumo_reactive.sumo.option_names import INPUT_FILES, LEFT_OUT, OUTPUT_FILES, SPECIAL_FILES, given_options
+from sumo_reactive.files import is_there, require_file
+from sumo_reactive.sumo.config import SumoConfig, is_true, paths_beside, seconds_of
+from sumo_reactive.sumo.option_names import (
+    INPUT_FILES,
+    INSTEAD_OF_RUNNING,
+    LEFT_OUT,
+    OUTPUT_FILES,
+    SPECIAL_FILES,
+    given_options,
+)
 
 MAX_STEP_LENGTH_S = 1.0
 DEFAULT_STEP_LENGTH_S = 0.1
@@ -17,6 +24,9 @@ DEFAULT_STEP_LENGTH_S = 0.1
 
 Override = tuple[str, str, str]
 """Option, what the scenario says (SUMO's default where it says nothing), what is used."""
+
+Runnable = Path | Mapping[str, str]
+"""A configuration file, or the options that stand in place of one."""
 
 OVERRIDES = {
     "collision.action": ("warn", "teleport"),
@@ -36,36 +46,44 @@ _FOR_SHOW = re.compile(r"poly|poi|view|gui|background|decal", re.IGNORECASE)
 """Names of additional files that only draw something."""
 
 
-def runnable_config(config: SumoConfig, folder: Path) -> tuple[Path, tuple[Override, ...]]:
-    """Return a configuration that SUMO runs without a window, and what it leaves out.
+def runnable_config(config: SumoConfig) -> tuple[Runnable, tuple[Override, ...]]:
+    """Return what SUMO runs without a window: the file, or options in place of it; and what they leave out.
 
-    That is the file itself, or a copy in `folder` where it has options that only a window needs or that let SUMO end
-    before it runs, or names missing files that only draw something. A missing file of any other kind raises ScenarioError.
+    Left out are options that only a window needs or that let SUMO end before it runs, and missing files that only draw
+    something. A missing file of any other kind raises ScenarioError, and so does what is there and no file.
     """
     needless = {name: value for name, value in config.options.items() if name in LEFT_OUT}
-    missing = [file for file in config.additional_files if not file.exists()]
+    missing = [file for file in config.additional_files if not is_there(file)]
     for file in missing:
         if not _FOR_SHOW.search(file.name):
             raise ScenarioError(f"{file}: no such file (additional-files of {config.path})")
+    _require_files(config)
     if not needless and not missing:
         return config.path, ()
-    copy = folder / "runnable.sumocfg"
-    _written(config, needless, missing).write(copy, encoding="utf-8", xml_declaration=True)
     left_out = [(name, value, "left out") for name, value in needless.items()]
-    return copy, (*left_out, *(("additional-files", str(file), "left out: missing") for file in missing))
+    kept = {name: value for name, value in _found_from_anywhere(config, missing) if name not in needless}
+    return kept, (*left_out, *(("additional-files", str(file), "left out: missing") for file in missing))
 
 
-def _written(config: SumoConfig, needless: Mapping[str, str], missing: Sequence[Path]) -> ElementTree[Element]:
-    root = Element("configuration")
+def _require_files(config: SumoConfig) -> None:
+    """Raise ScenarioError for what SUMO would read as a file although it is a pipe, for whose writer it would wait."""
+    for name in sorted(INPUT_FILES & set(config.options)):
+        for part in paths_beside(config.path, config.options[name]):
+            if not part.is_dir():
+                require_file(part)
+
+
+def _found_from_anywhere(config: SumoConfig, missing: Sequence[Path]) -> Iterator[tuple[str, str]]:
+    """Yield the options with paths that do not depend on where the configuration lies."""
     for name, value in config.options.items():
-        kept = value
         if name == "additional-files":
-            kept = ",".join(str(file) for file in config.additional_files if file not in missing)
+            there = [str(file) for file in config.additional_files if file not in missing]
+            if there:
+                yield name, ",".join(there)
         elif name in INPUT_FILES or name in OUTPUT_FILES:
-            kept = ",".join(_absolute(config.path.absolute().parent, part.strip()) for part in value.split(","))
-        if name not in needless and (kept or name != "additional-files"):
-            SubElement(root, name, {"value": kept})
-    return ElementTree(root)
+            yield name, ",".join(_absolute(config.path.absolute().parent, part.strip()) for part in value.split(","))
+        else:
+            yield name, value
 
 
 def _absolute(folder: Path, name: str) -> str:
@@ -88,24 +106,28 @@ def chosen_step_length(config: SumoConfig, asked: float | None) -> float:
 
 
 def sumo_arguments(
-    config: SumoConfig, runnable: Path, *, seed: int, step_length_s: float, sumo_options: Sequence[str] = ()
+    config: SumoConfig, runnable: Runnable, *, seed: int, step_length_s: float, sumo_options: Sequence[str] = ()
 ) -> tuple[list[str], tuple[Override, ...]]:
     """Return the arguments to start SUMO with, and each override that changes what the scenario says.
 
-    `sumo_options` go last, unchanged; an option named there is the user's, not ours.
+    `sumo_options` go last, unchanged; an option named there is the user's, not ours. Raises ScenarioError for one with
+    which nothing would be simulated.
     """
     given = given_options(sumo_options)
-    if _PORT in given:
-        raise ScenarioError(f"option '{_PORT}': SUMO runs inside this program and would wait for a client for ever")
+    _require_a_run(given)
     ours = {name: used for name, (used, _) in OVERRIDES.items()} | {"seed": str(seed), "step-length": f"{step_length_s:g}"}
-    if _PORT in config.options:
-        ours[_PORT] = _NO_PORT
-    defaults = {name: default for name, (_, default) in OVERRIDES.items()} | {"seed": str(seed), "step-length": "1"}
+    ours[_PORT] = _NO_PORT
+    defaults = {name: default for name, (_, default) in OVERRIDES.items()}
+    defaults |= {"seed": str(seed), "step-length": "1", _PORT: _NO_PORT}
     ours = {name: used for name, used in ours.items() if name not in given}
     said = {name: config.options.get(name, defaults.get(name, "")) for name in ours}
     changed = tuple((name, said[name], used) for name, used in ours.items() if not _same(said[name], used))
-    arguments = ["--configuration-file", str(runnable)]
-    for name, used in (ours | _silence(config, given)).items():
+    ours |= _silence(config, given)
+    if isinstance(runnable, Path):
+        arguments = ["--configuration-file", str(runnable)]
+    else:
+        arguments = [f"--{name}={value}" for name, value in runnable.items() if name not in ours and name not in given]
+    for name, used in ours.items():
         arguments += [f"--{name}", used]
     return [*arguments, *sumo_options], changed
 
@@ -115,6 +137,14 @@ def passed_end(config: SumoConfig, time: float, sumo_options: Sequence[str]) -> 
     if config.end_s is None or time <= config.end_s or _END in given_options(sumo_options):
         return ()
     return ((_END, config.options[_END], f"{time:.10g}"),)
+
+
+def _require_a_run(given: Mapping[str, str]) -> None:
+    """Raise ScenarioError for an option of the user's that lets SUMO end, or wait for ever, before it simulates."""
+    if _PORT in given:
+        raise ScenarioError(f"option '{_PORT}': SUMO runs inside this program and would wait for a client for ever")
+    for name in sorted(INSTEAD_OF_RUNNING & given.keys()):
+        raise ScenarioError(f"option '{name}': SUMO would answer that and end, and nothing be simulated")
 
 
 def _silence(config: SumoConfig, given: Mapping[str, str]) -> dict[str, str]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import zlib
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,10 +9,9 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, fromstring
 
 from sumo_reactive.errors import NetworkError
+from sumo_reactive.files import content_of
 
 Attributes = Mapping[str, str]
-
-_GZIP_MAGIC = b"\x1f\x8b"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +76,9 @@ def parse(path: Path) -> RawNet:
 
 def _root(path: Path) -> Element:
     try:
-        data = path.read_bytes()
-        return fromstring(gzip.decompress(data) if data.startswith(_GZIP_MAGIC) else data)
-    except ParseError as error:
+        return fromstring(content_of(path, NetworkError))
+    except (ParseError, ValueError, LookupError) as error:
         raise NetworkError(f"{path}: not XML: {error}") from error
-    except FileNotFoundError as error:
-        raise NetworkError(f"{path}: no such file") from error
-    except (OSError, EOFError, zlib.error) as error:
-        raise NetworkError(f"{path}: cannot be read: {error}") from error
 
 
 def _sorted_by_kind(path: Path, root: Element) -> RawNet:

@@ -68,10 +68,12 @@ def canonical(name: str) -> str:
 
 
 def given_options(words: Sequence[str]) -> dict[str, str]:
-    """Return value by full name of each option on a command line."""
+    """Return value by full name of each option on a command line; letters behind a single dash may stand together."""
     given: dict[str, str] = {}
     for k, option in enumerate(words):
-        if option.startswith("-"):
-            name, is_joined, value = option.lstrip("-").partition("=")
-            given[canonical(name)] = value if is_joined else "".join(words[k + 1 : k + 2])
+        if not option.startswith("-"):
+            continue
+        name, is_joined, value = option.lstrip("-").partition("=")
+        names = [name] if option.startswith("--") or name in SYNONYMS else list(name)
+        given |= dict.fromkeys(map(canonical, names), value if is_joined else "".join(words[k + 1 : k + 2]))
     return given

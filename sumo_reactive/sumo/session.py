@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import tempfile
@@ -16,11 +17,13 @@ from sumo_reactive.errors import ScenarioError, SimulationError
 from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 
+_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
+
 Progress = Callable[[float, str], None]
 
 
 class Session:
-    """Context manager around libsumo; SUMO's own messages become errors with SUMO's own words."""
+    """Context manager around libsumo; what SUMO says of an error becomes a SimulationError with SUMO's own words."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
         self._arguments = ["sumo", *arguments]
@@ -31,14 +34,26 @@ class Session:
             try:
                 with _standard_error_to(heard):
                     libsumo.start(self._arguments)
-            except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
+            except _ERRORS as error:
                 reason = _first_error(heard) or _in_one_line(error)
                 raise ScenarioError(f"SUMO rejects the scenario: {reason}") from error
+            if not libsumo.isLoaded():
+                raise ScenarioError(f"SUMO rejects the scenario: {_first_error(heard) or 'it ends before it loads'}")
             sys.stderr.write(_text_of(heard))
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        libsumo.close()
+        time = self._time_if_known()
+        with contextlib.suppress(*_ERRORS):
+            libsumo.close()
+        if isinstance(value, _ERRORS):
+            raise SimulationError(f"SUMO failed{time}: {_first_line(value)}") from value
+
+    def _time_if_known(self) -> str:
+        try:
+            return f" at {self.time:.1f} s"
+        except _ERRORS:
+            return ""
 
     @property
     def time(self) -> float:
@@ -57,10 +72,7 @@ class Session:
 
     def step(self) -> None:
         """Simulate one step."""
-        try:
-            libsumo.simulationStep()
-        except (libsumo.TraCIException, libsumo.FatalTraCIError) as error:
-            raise SimulationError(f"SUMO failed at {self.time:.1f} s: {_first_line(error)}") from error
+        libsumo.simulationStep()
 
     def is_over(self) -> bool:
         """Whether no vehicle is left or to come, or the scenario's end has passed."""
@@ -152,6 +164,6 @@ def _in_one_line(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def _first_line(error: Exception) -> str:
+def _first_line(error: BaseException) -> str:
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     return lines[0] if lines else type(error).__name__

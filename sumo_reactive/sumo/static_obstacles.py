@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import libsumo
@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from sumo_reactive.errors import ScenarioError
 from sumo_reactive.geometry.footprint import Footprint
 from sumo_reactive.messages.traffic import NO_POINTS, Body, RoadUser
 from sumo_reactive.parameters import (
@@ -25,6 +26,9 @@ from sumo_reactive.parameters import (
 from sumo_reactive.sumo.units import heading_of
 
 Array = NDArray[np.float64]
+
+LARGEST_OBSTACLE_M = 10_000.0
+"""Side of the largest obstacle; a larger polygon is an error of its coordinates."""
 
 _FIRM = 10.0  # m/s²; a body that never moves stops at once
 
@@ -41,7 +45,8 @@ class StaticObstacles:
 
     def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
         polygon, vehicle = libsumo.polygon, libsumo.vehicle
-        hulls = {n: hull_of(polygon.getShape(n)) for n in polygon.getIDList() if polygon.getType(n) == polygon_type}
+        names = [name for name in polygon.getIDList() if polygon.getType(name) == polygon_type]
+        hulls = {name: hull_of(_finite(name, polygon.getShape(name))) for name in names}
         self.users = tuple(standing(f"polygon:{name}", hull) for name, hull in hulls.items())
         self.outlines = tuple(outline(hull) for hull in hulls.values())
         self.parked: dict[str, Array] = {}
@@ -97,6 +102,15 @@ class StaticView:
             return NO_POINTS
         points = np.concatenate(outlines)
         return np.asarray(points[np.abs(points - (x, y)).max(axis=1) < STATIC_SIGHT_M])
+
+
+def _finite(name: str, shape: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
+    """Return the points of a polygon; raise ScenarioError for one that cannot stand on a road."""
+    if not shape or not np.isfinite(shape).all():
+        raise ScenarioError(f"polygon '{name}': its shape is not a list of finite x,y")
+    if np.ptp(np.asarray(shape)[:, :2], axis=0).max() > LARGEST_OBSTACLE_M:
+        raise ScenarioError(f"polygon '{name}': an obstacle of more than {LARGEST_OBSTACLE_M / 1000.0:g} km")
+    return shape
 
 
 def hull_of(shape: Iterable[tuple[float, float]]) -> shapely.Polygon:

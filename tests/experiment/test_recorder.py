@@ -194,7 +194,11 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
 
 @pytest.mark.parametrize(
     ("line", "complaint"),
-    [('{"time_s": 1.0}', "1: key 'events' is missing"), ("[1]", "1: not a record"), ("{", "1: not a record")],
+    [
+        ('{"time_s": 1.0}', "1: not a record of this release: key 'events' is missing"),
+        ("[1]", "1: not a record"),
+        ("{", "1: not a record"),
+    ],
 )
 def test_a_line_of_another_kind_is_refused_with_its_place(tmp_path, line, complaint):
     path = tmp_path / "decisions.jsonl"

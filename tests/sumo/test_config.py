@@ -54,7 +54,7 @@ NET = '<net-file value="a.net.xml"/>'
         ("", ScenarioError, "a.sumocfg: no net-file"),
         ('<net-file value=""/>', ScenarioError, "a.sumocfg: no net-file"),
         ('<net-file value="b.net.xml"/>', NetworkError, "b.net.xml: no such file"),
-        ('<net-file value="."/>', NetworkError, "a directory, not a network"),
+        ('<net-file value="."/>', NetworkError, "a directory, not a file"),
         (NET + '<mesosim value="true"/>', ScenarioError, "option 'mesosim'"),
         (NET + '<step-length value="0"/>', ScenarioError, "impossible step length '0'"),
         (NET + '<step-length value="-1"/>', ScenarioError, "impossible step length '-1'"),
@@ -77,7 +77,7 @@ def test_what_is_no_configuration_file_is_named(tmp_path):
     places = {
         "net.xml": "root element is <net>",
         "empty": "not XML",
-        "binary": "not XML",
+        "binary": "cannot be read",
         "nowhere": "no such file",
         ".": "a directory",
     }

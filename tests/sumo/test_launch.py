@@ -1,5 +1,6 @@
 """How SUMO is started: without a window, files where they were, harm visible, the user's options last."""
 
+import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -11,6 +12,7 @@ import pytest
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
+from sumo_reactive.sumo.option_names import LEFT_OUT
 from sumo_reactive.sumo.trips import arrival_of
 
 ROUNDABOUT = Path(__file__).parents[2] / "networks" / "roundabout"
@@ -25,25 +27,18 @@ def scenario(folder, inner=""):
     return read_config(path)
 
 
-def options_of(path):
-    return {node.tag: node.get("value") for node in ElementTree.parse(path).getroot()}
-
-
 def test_a_configuration_without_a_window_is_used_as_it_is(tmp_path):
     config = scenario(tmp_path)
-    assert runnable_config(config, tmp_path / "nowhere") == (config.path, ())
+    assert runnable_config(config) == (config.path, ())
 
 
 def test_what_needs_a_window_and_missing_drawings_are_left_out_and_named(tmp_path):
-    (tmp_path / "copy").mkdir()
     (tmp_path / "stops.add.xml").write_text("<additional/>", encoding="utf-8")
     inner = (
         '<additional-files value="stops.add.xml, osm.poly.xml"/><gui-settings-file value="osm.view.xml"/>'
         '<osg-view value="true"/><tripinfo-output value="out/trips.xml"/><log value="stdout"/>'
     )
-    path, left_out = runnable_config(scenario(tmp_path, inner), tmp_path / "copy")
-    options = options_of(path)
-    assert path.parent == tmp_path / "copy"
+    options, left_out = runnable_config(scenario(tmp_path, inner))
     assert options["additional-files"] == str(tmp_path / "stops.add.xml")
     assert options["tripinfo-output"] == str(tmp_path / "out" / "trips.xml")
     assert options["log"] == "stdout"
@@ -52,17 +47,16 @@ def test_what_needs_a_window_and_missing_drawings_are_left_out_and_named(tmp_pat
 
 def test_a_missing_file_that_matters_is_an_error(tmp_path):
     with pytest.raises(ScenarioError, match=r"lights\.add\.xml: no such file"):
-        runnable_config(scenario(tmp_path, '<additional-files value="lights.add.xml"/>'), tmp_path)
+        runnable_config(scenario(tmp_path, '<additional-files value="lights.add.xml"/>'))
 
 
-def test_sumo_runs_the_cleaned_copy_and_writes_beside_the_original(tmp_path):
-    (tmp_path / "copy").mkdir()
+def test_sumo_runs_without_what_is_left_out_and_writes_beside_the_original(tmp_path):
     inner = (
         '<additional-files value="osm.poly.xml"/><gui-settings-file value="a.view.xml"/><summary-output value="sum.xml"/>'
     )
     config = scenario(tmp_path, inner)
-    path, _ = runnable_config(config, tmp_path / "copy")
-    arguments, _ = sumo_arguments(config, path, seed=42, step_length_s=0.1)
+    options, _ = runnable_config(config)
+    arguments, _ = sumo_arguments(config, options, seed=42, step_length_s=0.1)
     libsumo.start(["sumo", *arguments])
     try:
         libsumo.simulationStep()
@@ -89,14 +83,14 @@ def test_overrides_are_named_where_they_change_what_the_scenario_says(tmp_path):
     }
     assert arguments[arguments.index("--collision.action") + 1] == "warn"
     assert "--no-warnings" in arguments
+    assert arguments[arguments.index("--remote-port") + 1] == "0"
 
 
 def test_sumo_waits_for_no_client(tmp_path):
-    (tmp_path / "copy").mkdir()
     inner = '<remote-port value="8813"/><num-clients value="2"/><start value="true"/><quit-on-end value="true"/>'
     config = scenario(tmp_path, f'<gui-settings-file value="a.view.xml"/><breakpoints value="1"/>{inner}')
-    path, left_out = runnable_config(config, tmp_path / "copy")
-    arguments, changed = sumo_arguments(config, path, seed=42, step_length_s=0.1)
+    options, left_out = runnable_config(config)
+    arguments, changed = sumo_arguments(config, options, seed=42, step_length_s=0.1)
     assert ("remote-port", "8813", "0") in changed
     assert {name for name, _, _ in left_out} == {"gui-settings-file", "breakpoints", "start", "quit-on-end"}
     start = f"import libsumo; libsumo.start(['sumo', *{arguments!r}]); libsumo.simulationStep(); libsumo.close()"
@@ -111,8 +105,8 @@ def test_a_port_asked_for_by_the_user_is_an_error(tmp_path):
 
 @pytest.mark.parametrize("option", ["save-configuration", "C", "save-template", "save-schema", "version", "help"])
 def test_what_would_end_sumo_before_it_runs_is_left_out(tmp_path, option):
-    path, left_out = runnable_config(scenario(tmp_path, f'<{option} value="true"/>'), tmp_path)
-    assert option not in options_of(path)
+    options, left_out = runnable_config(scenario(tmp_path, f'<{option} value="true"/>'))
+    assert not options.keys() & LEFT_OUT
     assert len(left_out) == 1
 
 
@@ -124,6 +118,30 @@ def test_the_users_options_go_last_and_win(tmp_path):
     assert not {"--seed", "--no-warnings"} & set(arguments)
     assert arguments.count("--collision.action") == arguments.count("--no-step-log") == 1
     assert "seed" not in {name for name, _, _ in changed}
+
+
+@pytest.mark.parametrize("option", ["--help", "-?", "-vV", "--version=true", "-C=x", "--save-template", "--save-config"])
+def test_what_would_end_sumo_before_it_runs_is_refused_where_the_user_asks_for_it(tmp_path, option):
+    config = scenario(tmp_path)
+    with pytest.raises(ScenarioError, match="nothing be simulated"):
+        sumo_arguments(config, config.path, seed=42, step_length_s=0.1, sumo_options=[option, "x"])
+
+
+def test_an_option_in_place_of_the_file_is_given_once(tmp_path):
+    config = scenario(tmp_path, '<gui-settings-file value="a.view.xml"/><seed value="7"/><end value="9"/>')
+    options, _ = runnable_config(config)
+    arguments, _ = sumo_arguments(config, options, seed=42, step_length_s=0.1, sumo_options=["-e", "3"])
+    assert "--end=9" not in arguments and "--seed=7" not in arguments and "--configuration-file" not in arguments
+    libsumo.start(["sumo", *arguments])
+    assert libsumo.simulation.getEndTime() == 3.0
+    libsumo.close()
+
+
+@pytest.mark.parametrize("option", ["route-files", "additional-files", "weight-files"])
+def test_sumo_does_not_wait_for_who_writes_into_a_pipe(tmp_path, option):
+    os.mkfifo(tmp_path / "pipe.xml")
+    with pytest.raises(ScenarioError, match=r"pipe\.xml: a pipe, not a file"):
+        runnable_config(scenario(tmp_path, f'<{option} value="pipe.xml"/>'))
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_a_file_that_is_no_usable_network_is_refused(tmp_path, text, says):
 
 
 def test_a_folder_is_no_network(tmp_path):
-    assert "cannot be read" in refused(tmp_path, None)
+    assert "a directory, not a file" in refused(tmp_path, None)
 
 
 @pytest.mark.parametrize(

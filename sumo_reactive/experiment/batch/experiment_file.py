@@ -10,7 +10,8 @@ from typing import NamedTuple
 from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.experiment.batch.experiment_keys import EgoKeys, ExperimentFile, ExperimentKeys, SampleKeys, Word
 from sumo_reactive.experiment.scenario import Scenario, load_scenario, load_scenario_file
-from sumo_reactive.experiment.toml_file import line_of, nearest, read_toml, text_of
+from sumo_reactive.experiment.toml_file import line_of, nearest, read_toml
+from sumo_reactive.files import text_of
 
 SUFFIX = ".duckdb"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from sumo_reactive.experiment.comparison.statistics import PairedDifference, pai
 from sumo_reactive.experiment.metric_names import OTHERS
 from sumo_reactive.experiment.process.driver import Driver
 from sumo_reactive.experiment.process.runner import Ending, Outcome, Task, run_all
+from sumo_reactive.experiment.process.scratch import scratch
 from sumo_reactive.experiment.result import TrialResult
 from sumo_reactive.experiment.scenario import Scenario
 from sumo_reactive.sumo.config import read_config
@@ -160,14 +160,14 @@ def compare(
     Both runs go on until `horizon_s` after the ego's departure, or the scenario's end if that is earlier. Raises
     ScenarioError for what cannot be run at all.
     """
-    with tempfile.TemporaryDirectory(prefix="sumo_reactive_compare_") as folder:
+    with scratch() as folder:
         runs = [
-            (driver, scenario, Outputs(Path(folder) / f"{k}_{driver.value}"))
+            (driver, scenario, Outputs(folder, f"{k}_{driver.value}_"))
             for k, scenario in enumerate(scenarios)
             for driver in (Driver.SUMO, Driver.REACTIVE)
         ]
         tasks = [_task(scenario, driver, outputs, horizon_s) for driver, scenario, outputs in runs]
-        outcomes = run_all(tasks, jobs, wall_limit_s, progress)
+        outcomes = run_all(tasks, jobs, wall_limit_s, progress, folder)
         sides = [_side(outcome, run[2]) for outcome, run in zip(outcomes, runs, strict=True)]
     if all(side.outcome.ending is Ending.FAILED for side in sides):
         raise ScenarioError(sides[0].outcome.reason)
@@ -181,7 +181,6 @@ def _task(scenario: Scenario, driver: Driver, outputs: Outputs, horizon_s: float
     ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
     options = outputs.options(config)
     _require_free(scenario, options)
-    outputs.folder.mkdir()
     added = (word for name, value in options.items() for word in (f"--{name}", value))
     asked = replace(
         scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True,

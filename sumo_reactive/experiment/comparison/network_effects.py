@@ -30,24 +30,25 @@ class Arrival(NamedTuple):
 
 @dataclass(frozen=True)
 class Outputs:
-    """The files that SUMO writes into `folder`."""
+    """The files that SUMO writes into `folder`, their names beginning with `prefix`."""
 
     folder: Path
+    prefix: str = ""
 
     @property
     def trips(self) -> Path:
         """Every vehicle's trip, with its emissions."""
-        return self.folder / "trips.xml"
+        return self.folder / f"{self.prefix}trips.xml"
 
     @property
     def totals(self) -> Path:
         """SUMO's own counts over the whole run."""
-        return self.folder / "totals.xml"
+        return self.folder / f"{self.prefix}totals.xml"
 
     @property
     def contacts(self) -> Path:
         """Every collision."""
-        return self.folder / "contacts.xml"
+        return self.folder / f"{self.prefix}contacts.xml"
 
     def options(self, config: SumoConfig) -> dict[str, str]:
         """Return the options that make SUMO write these files, and none that the scenario names.

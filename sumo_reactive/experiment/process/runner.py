@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import pickle
-import shutil
 import signal
 import subprocess
 import sys
@@ -15,16 +14,19 @@ import threading
 import time as clock
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, BinaryIO, cast
 
 import psutil
 
+from sumo_reactive.experiment.process.scratch import new_scratch, remove
 from sumo_reactive.experiment.process.task import Ending, Outcome, Task
 from sumo_reactive.experiment.process.trial_process import receive, send
 from sumo_reactive.overrides import VARIABLE, overrides
 from sumo_reactive.parameters import MAX_MEMORY_MB, MAX_TRIALS, RECYCLE_MEMORY_MB
+from sumo_reactive.sumo.crash import DEADLY
 
 __all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
 
@@ -41,9 +43,12 @@ class Runner:
 
     The process is replaced when it crashed, outran its limit, has run MAX_TRIALS tasks, holds too much memory, or other
     parameters are asked for. A process whose caller dies ends by itself.
+
+    Temporary files of the tasks go to `scratch`, which the caller removes; else to a folder that ends with the process.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, scratch: Path | None = None) -> None:
+        self._scratch = scratch
         self._child: _Child | None = None
         self._closed = False
 
@@ -82,7 +87,7 @@ class Runner:
             self._child.close()
             self._child = None
         if self._child is None:
-            self._child = _Child(parameters)
+            self._child = _Child(parameters, self._scratch)
         if self._closed:
             self._child.close()
         return self._child
@@ -91,14 +96,14 @@ class Runner:
 class _Child:
     """A running process, and what it answers."""
 
-    def __init__(self, parameters: Mapping[str, float]) -> None:
+    def __init__(self, parameters: Mapping[str, float], scratch: Path | None) -> None:
         self.parameters = dict(parameters)
         self._trials = 0
         self._ready = False
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 closed with the process
-        self._scratch = tempfile.mkdtemp(prefix="sumo_reactive_trials_")
+        self._own_scratch = None if scratch else new_scratch()
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "sumo_reactive.experiment.process.trial_process", self._scratch],
+            [sys.executable, "-m", "sumo_reactive.experiment.process.trial_process", str(scratch or self._own_scratch)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=_environment(parameters),
         )  # fmt: skip
         assert self._process.stdin and self._process.stdout
@@ -141,7 +146,8 @@ class _Child:
         self._process.kill()
         self._process.wait()
         self._listener.join()
-        shutil.rmtree(self._scratch, ignore_errors=True)
+        if self._own_scratch:
+            remove(self._own_scratch)
 
     def _listen(self) -> None:
         with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
@@ -160,21 +166,28 @@ class _Child:
 
     def _death(self) -> str:
         code = self._process.wait()
-        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+        how = f"the process ended with code {code}"
+        if code < 0:
+            name = signal.Signals(-code).name
+            how = f"SUMO died of {name}" if -code in DEADLY else f"the process was killed by {name}"
         self._log.seek(0)
         said = self._log.read().decode(errors="replace").strip().splitlines()
-        return f"the process was {how}" + (f": {said[-1].strip()}" if said else "")
+        return how + (f": {said[-1].strip()}" if said else "")
 
 
 def run_all(
-    tasks: Sequence[Task], jobs: int, wall_limit_s: float, progress: Callable[[Outcome], None] | None = None
+    tasks: Sequence[Task],
+    jobs: int,
+    wall_limit_s: float,
+    progress: Callable[[Outcome], None] | None = None,
+    scratch: Path | None = None,
 ) -> Iterator[Outcome]:
-    """Run the tasks in `jobs` processes and yield their outcomes in the order of the tasks.
+    """Run the tasks in `jobs` processes and yield their outcomes in the order of the tasks; `scratch` as for a `Runner`.
 
     `progress` gets each outcome as soon as it is there, from the thread that waited for it.
     """
     idle: SimpleQueue[Runner] = SimpleQueue()
-    runners = [Runner() for _ in range(max(1, min(jobs, len(tasks))))]
+    runners = [Runner(scratch) for _ in range(max(1, min(jobs, len(tasks))))]
     for runner in runners:
         idle.put(runner)
 

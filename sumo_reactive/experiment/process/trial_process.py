@@ -6,7 +6,6 @@ import contextlib
 import importlib
 import os
 import pickle
-import shutil
 import signal
 import struct
 import sys
@@ -19,6 +18,7 @@ from queue import SimpleQueue
 from typing import Any, BinaryIO
 
 from sumo_reactive.errors import ReactiveError
+from sumo_reactive.experiment.process.scratch import remove
 
 _SIZE = struct.Struct("!Q")
 
@@ -42,13 +42,14 @@ def receive(stream: BinaryIO) -> bytes:
 def main(scratch: str) -> None:
     """Serve until the other end closes, which it does also by dying: then end at once, whatever runs.
 
-    Temporary files go to the folder `scratch`, which is removed at such an end.
+    Temporary files go to the folder `scratch`, which is made here and removed at such an end.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Path(scratch).mkdir(mode=0o700, exist_ok=True)
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what SUMO prints is no answer
     orders: SimpleQueue[bytes] = SimpleQueue()
-    threading.Thread(target=_listen, args=(orders, scratch), daemon=True).start()
+    threading.Thread(target=_listen, args=(orders, Path(scratch)), daemon=True).start()
     with contextlib.suppress(Exception):  # tried again, and told, by the first order
         import sumo_reactive.experiment.process.observed  # noqa: F401
     tempfile.tempdir = scratch
@@ -57,11 +58,11 @@ def main(scratch: str) -> None:
         send(answers, _answer(orders.get()))
 
 
-def _listen(orders: SimpleQueue[bytes], scratch: str) -> None:
+def _listen(orders: SimpleQueue[bytes], scratch: Path) -> None:
     with contextlib.suppress(EOFError):
         while True:
             orders.put(receive(sys.stdin.buffer))
-    shutil.rmtree(scratch, ignore_errors=True)
+    remove(scratch)
     os._exit(0)
 
 
@@ -77,6 +78,8 @@ def _answer(order: bytes) -> tuple[str, Any, float]:
         ending, value = "DONE", getattr(importlib.import_module(module), name)(argument)
     except ReactiveError as error:
         ending, value = "FAILED", " ".join(str(error).split())
+    except MemoryError:
+        ending, value = "CRASHED", "out of memory"
     except Exception as error:
         traceback.print_exc()
         ending, value = "CRASHED", f"internal error: {_told(error)}"

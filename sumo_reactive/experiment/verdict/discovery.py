@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.files import text_of
 
 SUFFIX = ".toml"
 TABLE = "scenario"
@@ -18,14 +19,14 @@ def is_scenario_file(path: Path) -> bool:
     if path.suffix != SUFFIX:
         return False
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
+        text = text_of(path)
+    except ScenarioError:
         return False
     if TABLE not in text:
         return False
     try:
         return isinstance(tomllib.loads(text).get(TABLE), dict)
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return any(line.strip().startswith(f"[{TABLE}]") for line in text.splitlines())
 
 

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.recorder import REGIONS
 from sumo_reactive.experiment.result import Fault
 from sumo_reactive.report.decision_rows import decision_table, fault_sentence
 from sumo_reactive.report.explain import footer
@@ -68,14 +64,5 @@ def _map(recording: Recording, steps: Steps, faults: list[Fault]) -> Iterator[Ht
     if roads.missing:
         yield paragraph_of(f"Drawn without the roads: {roads.missing}. {_FROM_WHERE}")
     yield buttons_of(views_of(steps, bands))
-    figure = map_figure(roads, _regions(recording.folder / REGIONS), steps, bands, recording.entries, faults)
+    figure = map_figure(roads, recording.regions, steps, bands, recording.entries, faults)
     yield figure_html(figure, NAME, int(figure.layout.height))
-
-
-def _regions(path: Path) -> dict[str, Any]:
-    """Return the outlines of the regions that the record names; none if it has no such file."""
-    try:
-        found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    except (OSError, ValueError) as error:
-        raise ScenarioError(f"{path}: not the regions of a run: {error}") from error
-    return found if isinstance(found, dict) else {}

@@ -7,22 +7,15 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, NamedTuple
 
-import duckdb
-
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.recorder import TRAJECTORY
 from sumo_reactive.experiment.result import Collision, Fault, HardBrake, Violation
-from sumo_reactive.experiment.sealed import parquet_rows
 from sumo_reactive.messages.decision import Behaviour
-from sumo_reactive.report.recording import Recording
+from sumo_reactive.report.recording import Recording, columns_of
 
 NEEDED = (
     "time_s", "x_m", "y_m", "speed_m_s", "lane_id", "s_m", "desired_speed_m_s", "stop_m", "u", "u1", "u2", "u3", "leader",
     "gap_m", "behaviour", "emergency",
 )  # fmt: skip
 
-MAX_STEPS = 1_000_000
-"""More than a day in steps of 0.1 s."""
 
 DECIMALS = 4
 """Enough for a picture; the record has the rest."""
@@ -66,15 +59,7 @@ class Band(NamedTuple):
 
 def read_steps(recording: Recording) -> Steps:
     """Read the trajectory of a run; raise ScenarioError for one that lacks a column or a step."""
-    path = recording.folder / TRAJECTORY
-    try:
-        rows = parquet_rows(path, f"SELECT {', '.join(NEEDED)} FROM steps ORDER BY time_s", MAX_STEPS)
-    except duckdb.Error as error:
-        raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
-    if not rows:
-        raise ScenarioError(f"{recording.folder}: the run has no steps")
-    values = zip(*rows, strict=True)
-    return Steps({name: [_rounded(one) for one in column] for name, column in zip(NEEDED, values, strict=True)})
+    return Steps({name: [_rounded(one) for one in column] for name, column in columns_of(recording, NEEDED).items()})
 
 
 def bands_of(steps: Steps) -> list[Band]:
@@ -102,8 +87,8 @@ def edges_of(lane_ids: Iterable[str]) -> list[str]:
 
 
 def _list(summary: Mapping[str, Any], name: str) -> Sequence[Mapping[str, Any]]:
-    found = summary.get(name, ())
-    return found if isinstance(found, list) else ()
+    found: Sequence[Mapping[str, Any]] = summary.get(name, ())
+    return found
 
 
 def _rounded(value: object) -> object:

@@ -1,0 +1,62 @@
+"""SUMO dying of a signal in this process: one line and exit code 3 in place of silence, told by code that needs no Python.
+
+What has corrupted memory may hold any lock, so the handler is compiled, and does nothing but write and end the process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+from collections.abc import Iterator
+from typing import Any
+
+import numba
+import numpy as np
+from numba import types
+
+_NAMES = ("SIGSEGV", "SIGABRT", "SIGBUS", "SIGFPE", "SIGILL")
+DEADLY = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
+"""Signals that a fault in native code raises."""
+
+EXIT_CODE = 3
+_DIED = "sumo-reactive: SUMO died of {}: a fault of SUMO's that this input brings out, nothing is written\n"
+_LINES = {int(one): np.frombuffer(_DIED.format(one.name).encode(), dtype=np.uint8) for one in DEADLY}
+_WIDTH = max((line.size for line in _LINES.values()), default=1)
+_TEXTS = np.zeros((max(_LINES, default=0) + 1, _WIDTH), dtype=np.uint8)
+_SIZES = np.zeros(len(_TEXTS), dtype=np.int64)
+for _number, _line in _LINES.items():
+    _TEXTS[_number, : _line.size], _SIZES[_number] = _line, _line.size
+
+_STDERR_KEPT = 187
+"""A copy of standard error, which SUMO's start redirects; compiled code knows no other way to a descriptor."""
+
+_write: Any = types.ExternalFunction("write", types.intp(types.intc, types.voidptr, types.uintp))
+_exit: Any = types.ExternalFunction("_exit", types.void(types.intc))
+
+
+def _told(number):  # type: ignore[no-untyped-def]
+    line = _TEXTS.ctypes.data + number * _WIDTH
+    if _write(_STDERR_KEPT, line, _SIZES[number]) < 0:
+        _write(2, line, _SIZES[number])
+    _exit(EXIT_CODE)
+
+
+@contextlib.contextmanager
+def crashes_told() -> Iterator[None]:
+    """While this lasts, a fault in native code ends the process with one line on standard error and exit code 3."""
+    if os.name != "posix":
+        yield
+        return
+    handler = numba.cfunc(types.void(types.intc), cache=True)(_told)
+    library = ctypes.CDLL(None)
+    library.signal.restype, library.signal.argtypes = ctypes.c_void_p, (ctypes.c_int, ctypes.c_void_p)
+    os.dup2(2, _STDERR_KEPT)
+    before = {number: library.signal(number, handler.address) for number in DEADLY}
+    try:
+        yield
+    finally:
+        for number, old in before.items():
+            library.signal(number, old)
+        os.close(_STDERR_KEPT)

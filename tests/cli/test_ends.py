@@ -1,0 +1,161 @@
+"""How the command line ends: whatever happens, one line, its exit code, and nothing left behind."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
+NETWORK = ROOT / "networks" / "four_way_priority"
+
+BEFORE = """
+import builtins, ctypes, os, signal, sys
+
+def strike():
+    {strike}
+
+def before(module, name, call, only=1):
+    real, calls = getattr(module, name), []
+    def struck(*arguments, **others):
+        calls.append(1)
+        if len(calls) == only:
+            strike()
+        return real(*arguments, **others)
+    setattr(module, name, struck)
+"""
+MAIN = "\nfrom sumo_reactive.__main__ import main\nmain()\n"
+
+STAGES = {
+    "the modules are loaded": (
+        "real = builtins.__import__\n"
+        "def importing(name, *more):\n"
+        "    if name == 'typer':\n        strike()\n"
+        "    return real(name, *more)\n"
+        "builtins.__import__ = importing"
+    ),
+    "the network is read": "import sumo_reactive.experiment.trial as one; before(one, 'read_net', strike)",
+    "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
+    "the world is built": "import sumo_reactive.experiment.trip as one; before(one, 'choose_lanes', strike)",
+    "a step is driven": "import libsumo; before(libsumo, 'simulationStep', strike, 150)",
+    "SUMO is closed": "import libsumo; before(libsumo, 'close', strike)",
+    "the record is written": "import sumo_reactive.experiment.recorder as one; before(one, 'write_trajectory', strike)",
+}
+
+
+def ended(code, *arguments, folder, **environment):
+    """Run the command line in a process of its own, after some code; return how it ended."""
+    (folder / "tmp").mkdir()
+    (folder / "here").mkdir()
+    return subprocess.run(
+        [sys.executable, "-c", code + MAIN, *map(str, arguments)], capture_output=True, encoding="utf-8", timeout=200,
+        cwd=folder / "here", env=os.environ | {"TMPDIR": str(folder / "tmp")} | environment, check=False,
+    )  # fmt: skip
+
+
+def left(folder):
+    return [path.name for place in ("tmp", "here") for path in (folder / place).iterdir()]
+
+
+@pytest.mark.parametrize(
+    ("stage", "request_to_stop"), [*((stage, "SIGINT") for stage in STAGES), ("a step is driven", "SIGHUP"),
+                                   ("the modules are loaded", "SIGTERM"), ("the world is built", "SIGTERM")],
+)  # fmt: skip
+def test_a_request_to_stop_ends_a_run_at_every_stage(tmp_path, stage, request_to_stop):
+    code = BEFORE.format(strike=f"os.kill(os.getpid(), signal.{request_to_stop})") + STAGES[stage]
+    answer = ended(code, "run", FOUR_WAY, "--out", "out", folder=tmp_path)
+    lines = [line for line in answer.stderr.splitlines() if "compiling" not in line]
+    assert (answer.returncode, lines) == (130, ["sumo-reactive: interrupted"])
+    assert left(tmp_path) == []
+
+
+def test_a_second_request_does_not_cut_the_cleaning_up_short(tmp_path):
+    twice = "os.kill(os.getpid(), signal.SIGINT) or os.kill(os.getpid(), signal.SIGTERM)"
+    code = BEFORE.format(strike=f"try:\n        {twice}\n    finally:\n        {twice}")
+    answer = ended(code + STAGES["the record is written"], "run", FOUR_WAY, "--out", "out", folder=tmp_path)
+    assert (answer.returncode, answer.stderr) == (130, "sumo-reactive: interrupted\n")
+    assert left(tmp_path) == []
+
+
+def test_a_process_started_to_ignore_hang_ups_drives_on(tmp_path):
+    strike = BEFORE.format(strike="os.kill(os.getpid(), signal.SIGHUP)")
+    code = strike + "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n" + STAGES["a step is driven"]
+    assert ended(code, "run", FOUR_WAY, "--quiet", folder=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize("command", [("compare", "--jobs", 1, "--out", "out"), ("check", "--junit", "verdicts.xml")])
+@pytest.mark.parametrize("request_to_stop", ["SIGINT", "SIGTERM"])
+def test_a_request_to_stop_ends_what_runs_in_processes(tmp_path, command, request_to_stop):
+    stage = "import sumo_reactive.experiment.process.runner as one; before(one, 'send', strike, 2)"
+    in_main = f"signal.pthread_kill(__import__('threading').main_thread().ident, signal.{request_to_stop})"
+    answer = ended(
+        BEFORE.format(strike=in_main) + stage, command[0], FOUR_WAY, *command[1:], folder=tmp_path
+    )
+    assert (answer.returncode, answer.stderr.splitlines()[-1]) == (130, "sumo-reactive: interrupted")
+    assert "Traceback" not in answer.stderr and left(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("strike", "signal"), [("ctypes.string_at(0)", "SIGSEGV"), ("ctypes.CDLL(None).abort()", "SIGABRT")]
+)
+@pytest.mark.parametrize("stage", ["SUMO starts", "a step is driven"])
+def test_sumo_dying_of_a_signal_is_one_line_and_exit_code_3(tmp_path, stage, strike, signal):
+    answer = ended(BEFORE.format(strike=strike) + STAGES[stage], "run", FOUR_WAY, "--out", "out", folder=tmp_path)
+    assert answer.returncode == 3
+    assert answer.stderr.splitlines()[-1].startswith(f"sumo-reactive: SUMO died of {signal}")
+    assert left(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "line"),
+    [
+        ("MemoryError", 3, "sumo-reactive: out of memory"),
+        ("OSError(24, 'Too many open files', '/x')", 2, "sumo-reactive: /x: Too many open files"),
+        ("libsumo.TraCIException('no such thing')", 3, "sumo-reactive: SUMO failed at 0.0 s: no such thing"),
+        ("libsumo.FatalTraCIError('gone')", 3, "sumo-reactive: SUMO failed at 0.0 s: gone"),
+    ],
+)
+def test_what_the_machine_or_sumo_lacks_is_no_internal_error(tmp_path, raised, code, line):
+    stage = "import libsumo; before(libsumo, 'simulationStep', strike)"
+    answer = ended(BEFORE.format(strike=f"import libsumo; raise {raised}") + stage, "run", FOUR_WAY, folder=tmp_path)
+    assert (answer.returncode, answer.stderr) == (code, line + "\n")
+
+
+def test_an_end_of_file_that_nobody_expected_is_no_interrupt(tmp_path):
+    code = BEFORE.format(strike="raise EOFError") + STAGES["the world is built"]
+    answer = ended(code, "run", FOUR_WAY, folder=tmp_path)
+    assert answer.returncode == 70 and "interrupted" not in answer.stderr
+
+
+def test_a_network_cut_off_is_told_in_one_line(tmp_path):
+    packed = gzip.compress((NETWORK / "four_way_priority.net.xml").read_bytes())
+    (tmp_path / "a.net.xml.gz").write_bytes(packed[: len(packed) // 2])
+    config = tmp_path / "a.sumocfg"
+    config.write_text('<configuration><net-file value="a.net.xml.gz"/></configuration>', encoding="utf-8")
+    answer = ended("", "run", config, folder=tmp_path)
+    assert answer.returncode == 2
+    assert answer.stderr.endswith("a.net.xml.gz: cannot be read: packed, and cut off before its end\n")
+    assert answer.stderr.count("\n") == 1
+
+
+def test_square_brackets_are_letters(tmp_path):
+    routes = (NETWORK / "four_way_priority.rou.xml").read_text(encoding="utf-8").replace('id="ego"', 'id="[bold][/x]"')
+    (tmp_path / "a.rou.xml").write_text(routes, encoding="utf-8")
+    net = NETWORK / "four_way_priority.net.xml"
+    config = tmp_path / "[red]" / "[bold].sumocfg"
+    config.parent.mkdir()
+    config.write_text(
+        f'<configuration><net-file value="{net}"/><route-files value="../a.rou.xml"/></configuration>', encoding="utf-8"
+    )
+    terminal = "import sys; sys.stdout.isatty = sys.stderr.isatty = lambda: True"
+    for several in ((), ("--ego", "west_east.0")):
+        folder = tmp_path / str(len(several))
+        folder.mkdir()
+        answer = ended(terminal, "run", config, "--ego", "[bold][/x]", *several, "--until", 20, folder=folder)
+        assert answer.returncode in (0, 1), answer.stderr
+        assert "[bold][/x]" in answer.stdout

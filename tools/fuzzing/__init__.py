@@ -1,0 +1,1 @@
+"""A fuzzer of the command line: material, mutations, inputs, and the judge of how each ends."""
