@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import lru_cache
 from typing import NamedTuple
 
+from sumo_reactive.caching import kept
 from sumo_reactive.executor.executor import Execution, execute
 from sumo_reactive.executor.valley_map import NO_MAP, ValleyMap, valley_map
 from sumo_reactive.messages.completed_plan import CompletedPlan, Replanning
@@ -160,7 +160,7 @@ class Controller:
         return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static)
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def passages_ahead(graph: RoadGraph, plan: NominalPlan, passages: tuple[int, ...]) -> Ahead:
     """Return what the map knows of some passages of a plan, by their indices."""
     ids = ((i, plan.passages[i].connection_id) for i in passages)

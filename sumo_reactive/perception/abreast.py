@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Leader
 from sumo_reactive.messages.state import VehicleState
@@ -50,7 +50,7 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
     return _narrows(plan, graph, 0.5 * limits.width)
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def _narrows(plan: NominalPlan, graph: RoadGraph, half: float) -> tuple[Narrow, ...]:
     curve, found = plan.curve, []
     for i, passage in enumerate(plan.passages):

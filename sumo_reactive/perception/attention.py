@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 from typing import NamedTuple
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import LaneChange, NominalPlan
 from sumo_reactive.messages.snapshot import Conflict
 from sumo_reactive.parameters import (
@@ -34,7 +34,7 @@ class Watch(NamedTuple):
     end: float
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
     """Return the crossing and merging conflicts on a connection, nearest region first.
 
@@ -64,7 +64,7 @@ def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, oth
     return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
     table: dict[str, list[Watch]] = {}
@@ -79,7 +79,7 @@ def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch
     return {lane: tuple(entries) for lane, entries in table.items()}
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
     """Return every lane to look at while passing a junction: inside, before, behind, and where foes come from."""
     junction = graph.junctions[graph.connections[connection_id].junction_id]
@@ -93,7 +93,7 @@ def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
     return tuple(lanes)
 
 
-@lru_cache(maxsize=1024)
+@kept(1024)
 def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     """Return, by lane id, the arc length at which lanes before and behind `lane_id` start on its own axis (m).
 

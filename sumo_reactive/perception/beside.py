@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.forecast import LaneBeside
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.world.lane import Lane
@@ -25,7 +25,7 @@ def lanes_beside(graph: RoadGraph, plan: NominalPlan, front: float, reach: float
                 yield LaneBeside(lane.id, segment.start, segment.end, away, lane.width, lane.speed_limit, is_oncoming)
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def _beside(graph: RoadGraph, lane_id: str) -> tuple[Lane, float, bool] | None:
     """Return the lane beside, how far to the left its centre is (m), and whether its traffic comes towards the ego."""
     side = -1.0 if graph.left_hand else 1.0

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.caching import kept
 from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.curve import Curve
 from sumo_reactive.parameters import CORRIDOR_MARGIN_M, NEAR_M, PLANS_KEPT, STANDING_SPEED, TURN_FORESEEN_S
@@ -42,7 +42,7 @@ def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     return band_along(curve, limits.width, limits.wheelbase, limits.front_overhang)
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def band_along(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
     """Return the corridor of a body of that `width`, `wheelbase` and front `overhang` (m)."""
     half = 0.5 * width

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Cut
 from sumo_reactive.parameters import CUT_M, CUT_SIGHT_M, PLANS_KEPT
@@ -23,7 +22,7 @@ def cuts_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple
     return _cuts(plan, graph, limits.width, limits.wheelbase, limits.front_overhang)
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def _cuts(plan: NominalPlan, graph: RoadGraph, width: float, wheelbase: float, overhang: float) -> tuple[Cut, ...]:
     curve, band, found = plan.curve, band_along(plan.curve, width, wheelbase, overhang), []
     places = np.column_stack((curve.x, curve.y))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import lru_cache
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.snapshot import Conflict, Foe
 from sumo_reactive.messages.traffic import RoadUser, Traffic
@@ -52,7 +52,7 @@ def _found(users: tuple[RoadUser, ...], meanings: Mapping[str, tuple[_Meaning, .
     return found
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def _meanings(graph: RoadGraph, plan: NominalPlan, sight: tuple[int, ...]) -> Mapping[str, tuple[_Meaning, ...]]:
     """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
     table: dict[str, list[_Meaning]] = {}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.caching import kept
 from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.polyline import Polyline
@@ -54,7 +54,7 @@ def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Array, ...]:
     return (np.column_stack((ahead + np.array((user.x, user.y)), np.full(2, user.heading))),)
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple[Array, ...]:
     """Return each way on from the start of a lane, (n, 3): x, y, heading every PATH_STEP_M.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.forecast import Queue, Queued
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.snapshot import Neighbour, Snapshot
@@ -31,7 +31,7 @@ def queues(
     return tuple(found)
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def feared(graph: RoadGraph, connection_id: str) -> frozenset[str]:
     """Return the other roads from which vehicles go first somewhere on a connection, whether or not the ego takes it."""
     connection = graph.connections[connection_id]
@@ -47,7 +47,7 @@ def _road(lane_id: str) -> str:
     return lane_id.rpartition("_")[0]
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def _exits(graph: RoadGraph, lane_id: str) -> Mapping[str, tuple[float, str]]:
     """Return where the lane and the ways out of it begin on the lane's own axis (m), and the connection that each is of."""
     table = {lane_id: (0.0, "")}
@@ -59,7 +59,7 @@ def _exits(graph: RoadGraph, lane_id: str) -> Mapping[str, tuple[float, str]]:
     return table
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def _exit_to(graph: RoadGraph, lane_id: str, edge_id: str) -> str:
     """Return the connection from a lane to an edge; empty: none."""
     ways = graph.outgoing.get(lane_id, ())

@@ -5,11 +5,11 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_left
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import LaneSegment, NominalPlan
 from sumo_reactive.messages.traffic import NO_POINTS
 from sumo_reactive.parameters import BORDER_STEP_M, PLANS_KEPT, STATIC_REACH_M
@@ -44,7 +44,7 @@ def static_within(
     return np.asarray(points[inside])
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Sequence[float], Array]:
     """Return the border points along C: arc lengths (n), ascending, and place (n, 2), m. Junctions have none."""
     parts = [_of_segment(graph, g, vehicle_class) for g in plan.segments if not graph.lanes[g.lane_id].is_internal]
@@ -63,7 +63,7 @@ def _of_segment(graph: RoadGraph, segment: LaneSegment, vehicle_class: str) -> t
     return arcs[inside], points[inside]
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def _of_lane(graph: RoadGraph, lane_id: str, vehicle_class: str) -> tuple[Array, Array]:
     """Return the border points of a lane's road: arc length on the lane's spine (n,), place (n, 2), m."""
     lane = graph.lanes[lane_id]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.messages.snapshot import Conflict, Snapshot
 from sumo_reactive.parameters import PLANS_KEPT, REGION_MARGIN_M, WAIT_SHIFT_M
@@ -57,7 +57,7 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
 
 
-@lru_cache(maxsize=PLANS_KEPT)
+@kept(PLANS_KEPT)
 def _pace(plan: NominalPlan, first: int, last: int) -> float:
     """Return the lowest speed limit of the samples `first` to `last` of C, m/s."""
     return float(plan.speed_limits[first:last].min())

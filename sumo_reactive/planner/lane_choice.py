@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
+from sumo_reactive.caching import kept
 from sumo_reactive.errors import PlanError
 from sumo_reactive.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
 from sumo_reactive.world.junction import Connection
@@ -170,7 +170,7 @@ def _onward(
     return tuple(dear(leave(k, lane), lane) for k, lane in enumerate(stage.lanes))
 
 
-@lru_cache(maxsize=8192)
+@kept(8192)
 def is_shared(graph: RoadGraph, lane: Lane) -> bool:
     """Whether the map draws an oncoming lane over `lane`: cars of both directions would stand before each other there."""
     oncoming = graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ())

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from sumo_reactive.caching import kept
 from sumo_reactive.geometry.angle import wrapped
 from sumo_reactive.geometry.polyline import Polyline, joined
 from sumo_reactive.parameters import CURVE_STEP_M
@@ -31,7 +31,7 @@ class Overrun(NamedTuple):
     joins: float
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def overrun_of(graph: RoadGraph, connection_id: str) -> Overrun | None:
     """Return what C leaves out where a connection turns back on its lane; None where it does not.
 

@@ -6,12 +6,12 @@ import heapq
 import itertools
 import math
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.caching import kept
 from sumo_reactive.compilation import kernel
 from sumo_reactive.geometry.polyline import Polyline
 from sumo_reactive.messages.plan import Move
@@ -168,7 +168,7 @@ class _Task(NamedTuple):
         return dx * math.cos(self.until) + dy * math.sin(self.until)
 
 
-@lru_cache(maxsize=TURNAROUNDS_KEPT)
+@kept(TURNAROUNDS_KEPT)
 def leads_back(graph: RoadGraph, connection_id: str) -> bool:
     """Whether a connection leads back beside the way it comes from."""
     connection = graph.connections[connection_id]
@@ -212,7 +212,7 @@ def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: i
     return None
 
 
-@lru_cache(maxsize=TURNAROUNDS_KEPT)
+@kept(TURNAROUNDS_KEPT)
 def turn_in_moves(
     graph: RoadGraph,
     connection_id: str,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 
+from sumo_reactive.caching import kept
 from sumo_reactive.messages.plan import NominalPlan
 from sumo_reactive.messages.traffic import RoadUser, Traffic
 from sumo_reactive.parameters import LANES_REFRESH_M
@@ -70,7 +70,7 @@ class Observer:
             yield from self._sensor.on_crossing(crossing)
 
 
-@lru_cache(maxsize=16384)
+@kept(16384)
 def _seen(graph: RoadGraph, lane_id: str) -> SeenLane | SeenCrossing:
     """Return what to look at for a lane of the graph."""
     lane, connection = graph.lanes[lane_id], graph.connection_of.get(lane_id)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from sumo_reactive.caching import kept
 from sumo_reactive.geometry.polyline import Points, Polyline, cut, joined
 from sumo_reactive.parameters import ABREAST_M, HOLD_BACK_REACH_M, SIDE_BY_SIDE_ANGLE
 from sumo_reactive.world.junction import Connection
@@ -23,7 +23,7 @@ class Abreast(NamedTuple):
     way: Polyline
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def abreast_of(graph: RoadGraph, connection_id: str) -> tuple[Abreast, ...]:
     """Return whose ways come nearer than ABREAST_M to the way of a connection, from other lanes of its road to other lanes.
 

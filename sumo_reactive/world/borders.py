@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.caching import kept
 from sumo_reactive.geometry.polyline import moved_aside
 from sumo_reactive.parameters import BORDER_STEP_M
 from sumo_reactive.world.lane import Lane
@@ -16,7 +16,7 @@ from sumo_reactive.world.road_graph import RoadGraph
 Array = NDArray[np.float64]
 
 
-@lru_cache(maxsize=4096)
+@kept(4096)
 def borders(graph: RoadGraph, edge_id: str, vehicle_class: str) -> Array:
     """Return points (n, 2), m, on the borders of what vehicles of the class may drive on, at most BORDER_STEP_M apart.
 
