@@ -13,6 +13,7 @@ medians, the ratio that of the runs side by side. "Added" is what a driven step 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import re
@@ -96,9 +97,9 @@ def main() -> None:
     parser.add_argument("--until", type=float, help="end at this simulation time at the latest, s (with --scenario)")
     parser.add_argument("--until-end", action="store_true", help="play on after the ego has arrived")
     parser.add_argument("--repeats", type=int, default=5, help="runs of each program (default 5)")
-    parser.add_argument("--sumo", default="", help="the plain sumo program; else the one beside this Python, or on the path")
+    parser.add_argument("--sumo", default="", help="the plain sumo program; else that of eclipse-sumo, or on the path")
     asked = parser.parse_args()
-    sumo = asked.sumo or shutil.which("sumo", path=str(Path(sys.executable).parent)) or shutil.which("sumo")
+    sumo = asked.sumo or plain_program()
     if not sumo:
         raise SystemExit("no plain sumo program: install eclipse-sumo or name one with --sumo")
     cases = [Case(ROOT / "scenarios" / f"{name}.toml", scale, until, asked.until_end) for name, scale, until in CASES]
@@ -108,6 +109,13 @@ def main() -> None:
     print(f"{'':41}|{'sumo':>9}{'ours':>9}{'ratio':>8}|{'sumo':>9}{'ours':>9}{'ratio':>8}|{'µs/step':>9}")
     for case in cases:
         compare(case, sumo, asked.repeats)
+
+
+def plain_program() -> str | None:
+    """Return the plain sumo program: the package's own, not the script that starts it, else one on the path."""
+    package = importlib.util.find_spec("sumo")
+    folders = [str(Path(place) / "bin") for place in (package.submodule_search_locations or ())] if package else []
+    return shutil.which("sumo", path=os.pathsep.join(folders)) or shutil.which("sumo")
 
 
 def compare(case: Case, sumo: str, repeats: int) -> None:
