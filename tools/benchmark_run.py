@@ -13,6 +13,7 @@ medians, the ratio that of the runs side by side. "Added" is what a driven step 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import re
@@ -110,6 +111,13 @@ def main() -> None:
     print(f"{'':41}|{'sumo':>9}{'ours':>9}{'ratio':>8}|{'sumo':>9}{'ours':>9}{'ratio':>8}|{'µs/step':>9}")
     for case in cases:
         compare(case, sumo, asked.repeats)
+
+
+def plain_program() -> str | None:
+    """Return the plain sumo program: the package's own, not the script that starts it, else one on the path."""
+    package = importlib.util.find_spec("sumo")
+    folders = [str(Path(place) / "bin") for place in (package.submodule_search_locations or ())] if package else []
+    return shutil.which("sumo", path=os.pathsep.join(folders)) or shutil.which("sumo")
 
 
 def compare(case: Case, sumo: str, repeats: int) -> None:

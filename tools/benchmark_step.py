@@ -174,16 +174,16 @@ def time_bitmap() -> None:
     arc = np.arange(0.0, MAP_SIDE_M, 0.5 * cell)
     x, y = arc, 0.5 * MAP_SIDE_M + 8.0 * np.sin(0.05 * arc)
     static = np.column_stack((x[::20], y[::20] + 6.0))
-    print(f"\nbitmap of U₁, {CELLS} × {CELLS} (ms)")
+    print(f"\nbitmap of U₁, {CELLS} × {CELLS}, processor's time (ms)")
     for name, points in (("without obstacles", np.empty((0, 2))), ("with static obstacles", static)):
-        wall, _ = _timed(lambda points=points: valley_bitmap(x, y, points, 0.0, 0.0, cell), 50)  # type: ignore[misc]
-        print(f"  {name:24}mean {wall.mean() / 1e3:.2f}   p50 {np.median(wall) / 1e3:.2f}   max {wall.max() / 1e3:.2f}")
+        _, cpu = _timed(lambda points=points: valley_bitmap(x, y, points, 0.0, 0.0, cell), 50)  # type: ignore[misc]
+        print(f"  {name:24}mean {cpu.mean() / 1e3:.2f}   p50 {np.median(cpu) / 1e3:.2f}   max {cpu.max() / 1e3:.2f}")
 
 
 def time_start(starts: int) -> None:
     """Print how long it takes from a process's start to its first control step, and where the time goes."""
     runs = [_start() for _ in range(starts + 1)][1:]  # the first one fills the caches of disk and kernels
-    print(f"\nstart-up to the first control step, median of {starts} (s)")
+    print(f"\nstart-up to the first control step, processor's time, median of {starts} (s)")
     for name in runs[0]:
         print(f"  {name:40}{median(run[name] for run in runs):.2f}")
 

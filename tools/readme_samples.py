@@ -44,6 +44,9 @@ ego = "ego"
 duration_s = { max = 30 }
 """
 
+SHORT_RUN = ("--scenario", str(ROOT / "scenarios" / "multi_lane_road.toml"), "--scale", "3", "--repeats", "3")
+"""About 60 vehicles; the cases with more take minutes."""
+
 _BEHAVIOUR = re.compile(r"(Normal driving|Cautious driving|Overtaking|Stopping at a location|Crossing the intersection):")
 _NO_DIFFERENCE = re.compile(r" 0 +0 … 0$")
 
@@ -62,8 +65,8 @@ def main() -> None:
         fresh = replaced(fresh, "timings", timings(asked.timings))
     stale = [name for name in (*SAMPLES, "timings") if sample_in(text, name) != sample_in(fresh, name)]
     if asked.check:
-        before, after = text.splitlines(True), fresh.splitlines(True)
-        print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)))
+        before, after = text.splitlines(keepends=True), fresh.splitlines(keepends=True)
+        print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)), end="")
     else:
         asked.readme.write_text(fresh, encoding="utf-8")
     print(f"{'out of date' if asked.check else 'written'}: {', '.join(stale)}" if stale else "up to date")
@@ -184,12 +187,12 @@ def timings(machine: str) -> str:
     """What the benchmarks print, with commit, date and machine."""
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
     lines = [f"Commit {commit.stdout.strip()}, {datetime.now(UTC):%Y-%m-%d}, {machine}."]
-    for words in (["benchmark_step", "--repeats", "2000"], ["benchmark_run", "--repeats", "3"], ["compare_profiles"]):
+    for words in (["benchmark_step", "--repeats", "1000"], ["benchmark_run", *SHORT_RUN], ["compare_profiles"]):
         command = [sys.executable, str(ROOT / "tools" / f"{words[0]}.py"), *words[1:]]
         said = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout
         if words[0] == "compare_profiles":
-            table = said.split("time:")[1].strip()
-            lines.append(f"Control step of `tools/compare_profiles.py`, processor's time:\n\n{table}")
+            times = said.partition("processor's time:")[2].strip()
+            lines.append(f"`tools/compare_profiles.py`, control step, processor's time:\n\n{times}")
         else:
             lines.append(f"`tools/{words[0]}.py`:\n\n{fenced(*said.strip().splitlines())}")
     return "\n\n".join(lines)
