@@ -42,10 +42,17 @@ def test_an_ego_that_has_arrived_is_off_the_road_and_counted_as_arrived(tmp_path
     trips = tmp_path / "trips.xml"
     asked = replace(load_scenario(FOUR_WAY), sumo_options=("--tripinfo-output", str(trips)))
     there: list[bool] = []
+
+    def looking(done):
+        def look(*of_whom):
+            done(*of_whom)
+            there.append("ego" in libsumo.vehicle.getIDList())
+
+        return look
+
     with pytest.MonkeyPatch.context() as patch:
-        step, arrive = Session.step, Ego.arrive
-        patch.setattr(Session, "step", lambda session: (step(session), there.append("ego" in libsumo.vehicle.getIDList()))[0])
-        patch.setattr(Ego, "arrive", lambda ego: (arrive(ego), there.append("ego" in libsumo.vehicle.getIDList()))[0])
+        patch.setattr(Session, "step", looking(Session.step))
+        patch.setattr(Ego, "arrive", looking(Ego.arrive))
         result = run_trial(asked)
     assert there[-3:] == [True, False, False]  # after the last step of its own, taken off, after one more step
     trip = trip_of(trips, "ego")
