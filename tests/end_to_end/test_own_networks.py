@@ -1,4 +1,4 @@
-"""The ego drives each of the project's own networks to its goal: real SUMO, judged here from the scenes alone."""
+"""The ego drives each of the project's own networks to its goal: judged here from real SUMO and the scenes alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from helpers.priority import Priority, Rules
 from helpers.tools import tool
+from helpers.witness import RED, Witness
 
 from sumo_reactive.controller import Profile
 from sumo_reactive.experiment.result import TrialResult
@@ -40,6 +42,8 @@ BESIDE_ITS_LANE = {Instruction.OVERTAKE.value, Instruction.RETURN.value, Instruc
 class Run:
     result: TrialResult
     scenes: tuple[Scene, ...]
+    witness: Witness
+    priority: Priority
 
     def boxes(self) -> Iterator[tuple[StepRecord, Footprint]]:
         for scene in self.scenes:
@@ -51,10 +55,21 @@ class Run:
 def run(network: str, step_length: float | None = None, profile: Profile = Profile.DEFAULT) -> Run:
     """Drive the network's scenario once and keep every scene."""
     scenes: list[Scene] = []
+    witness, priority = Witness(), Priority(Rules(net_of(network)))
+
+    def see(scene: Scene) -> None:
+        scenes.append(scene)
+        witness()
+        priority()
+
     scenario = replace(load_scenario(ROOT / "scenarios" / f"{network}.toml"), profile=profile)
     if step_length is not None:
         scenario = replace(scenario, step_length_s=step_length)
-    return Run(run_trial(scenario, observer=scenes.append), tuple(scenes))
+    return Run(run_trial(scenario, observer=see), tuple(scenes), witness, priority)
+
+
+def net_of(network: str) -> Path:
+    return ROOT / "networks" / network / f"{network}.net.xml"
 
 
 def points(shape: str) -> np.ndarray:
@@ -64,7 +79,7 @@ def points(shape: str) -> np.ndarray:
 @cache
 def road_surface(network: str) -> shapely.Geometry:
     """All lanes and junctions of a network as SUMO draws them, with a narrow margin."""
-    root = ET.parse(ROOT / "networks" / network / f"{network}.net.xml").getroot()
+    root = ET.parse(net_of(network)).getroot()
     parts = [
         shapely.LineString(points(lane.attrib["shape"])).buffer(
             0.5 * float(lane.get("width", DEFAULT_LANE_WIDTH_M)), cap_style="flat"
@@ -102,11 +117,14 @@ def test_the_ego_arrives(network):
 @each_network
 def test_the_ego_touches_nobody(network):
     assert not touched(run(network))
+    assert not run(network).witness.touched
 
 
 @each_network
 def test_the_ego_crosses_no_line_on_red(network):
-    assert not [step.time for step, _ in run(network).boxes() if step.light and step.light in "rRu"]
+    """By SUMO's lights, before the step and in it, where SUMO has the ego cross the line; the judge says the same."""
+    assert [(time, letters) for time, letters in run(network).witness.lights if letters in RED] == []
+    assert run(network).result.figures["red_lights_run"] == 0
 
 
 @each_network
@@ -137,13 +155,19 @@ def test_the_ego_moves_as_a_car_can(network):
 
 @each_network
 def test_the_ego_takes_nobodys_right_of_way(network):
+    """By the network file, and SUMO's word on who is behind whom; the judge says the same."""
+    assert run(network).priority.taken == []
+    assert run(network).witness.forced == []
     assert [str(v) for v in run(network).result.violations] == []
 
 
 def test_the_ego_waits_for_green_and_for_a_gap_at_the_lights():
-    crossed = [step.light for step, _ in run("signalised_left_turns").boxes() if step.light]
-    assert crossed
-    assert set(crossed) <= set("gGyY")
+    found = run("signalised_left_turns")
+    assert {letters for _, letters in found.witness.lights} <= set("gGyY")
+    assert [(time, letters * 2) for time, letters in found.witness.lights] == [
+        (round(scene.step.time, 2), scene.crossed) for scene in found.scenes if scene.crossed
+    ]
+    assert len(found.witness.lights) == len([step for step, _ in found.boxes() if step.light]) == 1
 
 
 def test_the_ego_stops_fully_at_the_all_way_stop():

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 import sumo
+from helpers.rude import RUNS_RED, TAKES_IT, in_a_hurry
 
 from sumo_reactive.experiment.comparison.network_effects import Outputs
 from sumo_reactive.experiment.scenario import Scenario, load_scenario
@@ -69,30 +70,17 @@ def test_it_is_judged_but_not_on_what_only_this_projects_driver_has():
     assert {metrics[name] for name in ("off_road_s", "emergencies", "pilot_activations", "events_delay")} == {None}
 
 
-def in_a_hurry(folder: Path, name: str, **rudeness: object) -> Scenario:
-    """An own scenario in which the ego's type has these attributes of SUMO's, and the ego departs at 25 s."""
-    source = ROOT / "networks" / name
-    routes = (source / f"{name}.rou.xml").read_text(encoding="utf-8")
-    said = " ".join(f'{key}="{value}"' for key, value in rudeness.items())
-    rude = f'<vType id="rude" length="4.7" width="1.8" sigma="0" {said}/><vehicle id="ego" type="rude"'
-    (folder / f"{name}.rou.xml").write_text(routes.replace('<vehicle id="ego" type="car"', rude), encoding="utf-8")
-    (folder / f"{name}.net.xml").symlink_to(source / f"{name}.net.xml")
-    (folder / f"{name}.sumocfg").symlink_to(source / f"{name}.sumocfg")
-    return replace(load_scenario(folder / f"{name}.sumocfg"), ego="ego")
-
-
-@pytest.mark.parametrize(("patience", "runs"), [(-1.0, 0), (100.0, 1)])
-def test_a_red_light_that_sumos_own_driver_runs_is_told(tmp_path, patience, runs):
-    scenario = in_a_hurry(tmp_path, "signalised_left_turns", jmDriveAfterRedTime=patience)
+@pytest.mark.parametrize(("rudeness", "runs"), [({}, 0), (RUNS_RED, 1)])
+def test_a_red_light_that_sumos_own_driver_runs_is_told(tmp_path, rudeness, runs):
+    scenario = in_a_hurry(tmp_path, "signalised_left_turns", **rudeness)
     result = run_sumo_driver(scenario)
     assert result.metrics["red_lights_run"] == runs
     assert [violation.kind for violation in result.violations] == ["red light run"] * runs
 
 
-@pytest.mark.parametrize(("share", "takes_it"), [(0, False), (1, True)])
-def test_a_right_of_way_that_sumos_own_driver_takes_is_told(tmp_path, share, takes_it):
-    rudeness = {"jmIgnoreFoeProb": share, "jmIgnoreFoeSpeed": 100, "jmIgnoreJunctionFoeProb": share, "jmTimegapMinor": 0}
-    scenario = in_a_hurry(tmp_path, "four_way_priority", **(rudeness if share else {}))
+@pytest.mark.parametrize("takes_it", [False, True])
+def test_a_right_of_way_that_sumos_own_driver_takes_is_told(tmp_path, takes_it):
+    scenario = in_a_hurry(tmp_path, "four_way_priority", **(TAKES_IT if takes_it else {}))
     result = run_sumo_driver(scenario)
     assert (result.metrics["right_of_way_violations"] > 0) is takes_it
     assert any(violation.kind == "right of way taken" for violation in result.violations) is takes_it

@@ -11,6 +11,7 @@ from sumo_reactive.experiment.scenario import load_scenario
 from sumo_reactive.experiment.start import started
 from sumo_reactive.experiment.trial import run_trial
 from sumo_reactive.messages.completed_plan import Replanning, Request
+from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.outputs import trip_of
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
@@ -40,17 +41,20 @@ def test_a_change_that_there_is_no_lane_for_when_it_is_planned_is_not_made(monke
 def test_an_ego_that_has_arrived_is_off_the_road_and_counted_as_arrived(tmp_path):
     trips = tmp_path / "trips.xml"
     asked = replace(load_scenario(FOUR_WAY), sumo_options=("--tripinfo-output", str(trips)))
-    gone: list[bool] = []
-    session_step = Session.step
+    there: list[bool] = []
 
-    def stepping(session):
-        session_step(session)
-        gone.append("ego" not in libsumo.vehicle.getIDList())
+    def looking(done):
+        def look(*of_whom):
+            done(*of_whom)
+            there.append("ego" in libsumo.vehicle.getIDList())
+
+        return look
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Session, "step", stepping)
+        patch.setattr(Session, "step", looking(Session.step))
+        patch.setattr(Ego, "arrive", looking(Ego.arrive))
         result = run_trial(asked)
-    assert gone[-1] and not gone[-2]
+    assert there[-3:] == [True, False, False]  # after the last step of its own, taken off, after one more step
     trip = trip_of(trips, "ego")
     assert trip is not None and trip.arrival is not None
     assert abs(trip.arrival - result.end_s) < 0.25

@@ -56,12 +56,12 @@ def test_sumo_runs_without_what_is_left_out_and_writes_beside_the_original(tmp_p
     )
     config = scenario(tmp_path, inner)
     options, _ = runnable_config(config)
-    arguments, _ = sumo_arguments(config, options, seed=42, step_length_s=0.1)
+    arguments, _ = sumo_arguments(config, options, seed=17, step_length_s=0.1)
     libsumo.start(["sumo", *arguments])
     try:
         libsumo.simulationStep()
         assert libsumo.simulation.getDeltaT() == pytest.approx(0.1)
-        assert (libsumo.simulation.getOption("seed"), libsumo.simulation.getOption("random")) == ("42", "false")
+        assert (libsumo.simulation.getOption("seed"), libsumo.simulation.getOption("random")) == ("17", "false")
     finally:
         libsumo.close()
     assert (tmp_path / "sum.xml").exists()

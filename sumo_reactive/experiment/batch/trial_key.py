@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+import sumo_reactive
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.experiment.process.task import Task
 from sumo_reactive.experiment.scenario import Scenario
@@ -75,7 +76,7 @@ def _digest_of_files(config_file: Path, words: tuple[str, ...]) -> str:
 @cache
 def release() -> dict[str, str]:
     """Return the versions that numbers depend on, and a digest of this package's sources."""
-    package = Path(__file__).parents[1]
+    package = Path(sumo_reactive.__file__).parent
     digest = hashlib.sha256()
     for source in sorted(package.rglob("*.py")):
         name = source.relative_to(package)
