@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from sumo_reactive.experiment.trajectory import COLUMNS
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.lab.trajectory import COLUMNS
 from sumo_reactive.sumo.launch import OVERRIDES
-from sumo_reactive.vehicle.limits import VehicleLimits
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "sumo_reactive"

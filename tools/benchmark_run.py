@@ -30,8 +30,8 @@ from typing import NamedTuple
 
 from sumolib import checkBinary
 
-from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.trial import run_trial
+from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.trial import run_trial
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 

@@ -49,9 +49,9 @@ import numba
 marks["numpy, numba"] = process_time()
 import libsumo
 marks["libsumo"] = process_time()
-import sumo_reactive.cli, sumo_reactive.experiment.recorder, sumo_reactive.experiment.summary
-from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.trial import run_trial
+import sumo_reactive.cli, sumo_reactive.lab.recorder, sumo_reactive.lab.summary
+from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.trial import run_trial
 marks["the rest of the imports"] = process_time()
 class Done(Exception): pass
 def stop(scene):
@@ -90,13 +90,13 @@ def time_step(repeats: int) -> None:
 
 def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # type: ignore[no-untyped-def]
     """Return the whole step, with the pilot and without, and its stages, each ready to be called."""
-    from sumo_reactive.controller import passages_ahead
-    from sumo_reactive.executor.executor import execute
-    from sumo_reactive.messages.event import Event, EventKind
-    from sumo_reactive.perception.outlook import outlook
-    from sumo_reactive.perception.perceive import perceive
-    from sumo_reactive.pilot.events import detect
-    from sumo_reactive.pilot.pilot import Style, decide
+    from sumo_reactive.driver.controller import passages_ahead
+    from sumo_reactive.driver.field.executor import execute
+    from sumo_reactive.driver.nouns.event import Event, EventKind
+    from sumo_reactive.driver.pilot.events import detect
+    from sumo_reactive.driver.pilot.pilot import Style, decide
+    from sumo_reactive.driver.view.outlook import outlook
+    from sumo_reactive.driver.view.perceive import perceive
 
     step = controller.step(traffic, drive, PERIOD_S)
     graph, limits, plan, snapshot = controller.graph, controller.limits, drive.plan, step.snapshot
@@ -118,13 +118,13 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
 
 def scene():  # type: ignore[no-untyped-def]
     """Return controller, traffic and drive: the frozen scene."""
-    from sumo_reactive.controller import Controller, Drive
-    from sumo_reactive.messages.state import Pose, VehicleState
-    from sumo_reactive.messages.traffic import Body, RoadUser, Traffic
-    from sumo_reactive.planner.planner import PlanStart, plan
+    from sumo_reactive.driver.controller import Controller, Drive
+    from sumo_reactive.driver.nouns.state import Pose, VehicleState
+    from sumo_reactive.driver.nouns.traffic import Body, RoadUser, Traffic
+    from sumo_reactive.driver.path.planner import PlanStart, plan
+    from sumo_reactive.driver.vehicle.limits import VehicleLimits
+    from sumo_reactive.driver.world.route import Route
     from sumo_reactive.sumo.net_reader import read_net
-    from sumo_reactive.vehicle.limits import VehicleLimits
-    from sumo_reactive.world.route import Route
 
     limits = VehicleLimits(
         length=4.7, width=1.8, wheelbase=2.8, front_overhang=0.9, max_speed=55.0, max_acceleration=2.6,
@@ -167,8 +167,8 @@ def _row(wall: np.ndarray, cpu: np.ndarray) -> str:
 
 def time_bitmap() -> None:
     """Print the time of one bitmap of U₁."""
-    from sumo_reactive.executor.valley_map import CELLS, valley_bitmap
-    from sumo_reactive.parameters import MAP_SIDE_M
+    from sumo_reactive.driver.field.valley_map import CELLS, valley_bitmap
+    from sumo_reactive.driver.parameters import MAP_SIDE_M
 
     cell = MAP_SIDE_M / CELLS
     arc = np.arange(0.0, MAP_SIDE_M, 0.5 * cell)

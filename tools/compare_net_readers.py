@@ -24,13 +24,13 @@ from typing import Any
 import numpy as np
 import sumolib
 
+from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
+from sumo_reactive.driver.world.junction import Connection, Junction, Turn
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.sumo.net_file import RawNet, parse
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.world.junction import Connection, Junction, Turn
-from sumo_reactive.world.lane import Lane
-from sumo_reactive.world.vehicle_class import VEHICLE_CLASSES
 
 ROOT = Path(__file__).resolve().parent.parent
 USAGE_ERROR = 2

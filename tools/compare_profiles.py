@@ -29,15 +29,15 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.controller import Controller, Profile
+from sumo_reactive.driver.controller import Controller, Profile
+from sumo_reactive.driver.field.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.driver.nouns.record import Scene
+from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, PAPER_CONTROL_PERIOD_S
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ReactiveError
-from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, paper_grid
-from sumo_reactive.experiment.metric_names import METRICS
-from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.trial import run_trial
-from sumo_reactive.messages.record import Scene
-from sumo_reactive.parameters import CONTROL_PERIOD_S, PAPER_CONTROL_PERIOD_S
-from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.trial import run_trial
 
 ROOT = Path(__file__).resolve().parent.parent
 PROFILES = (Profile.DEFAULT, Profile.PAPER)

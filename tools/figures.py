@@ -37,23 +37,19 @@ from matplotlib.patches import Arc, Patch, Polygon
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from sumo_reactive.executor.shadow import corners_of, shadow_distance, shadow_potential, shadow_sum
-from sumo_reactive.executor.valley import taxicab_to_points, valley_potential
-from sumo_reactive.executor.valley_map import ValleyMap, map_potential, valley_map
-from sumo_reactive.experiment import trial
-from sumo_reactive.experiment.metrics.moment import GHOST
-from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.trip import Trip
-from sumo_reactive.geometry.curve import Curve, project_on_curve
-from sumo_reactive.geometry.footprint import Footprint, boxes_overlap
-from sumo_reactive.geometry.polyline import Polyline
-from sumo_reactive.messages.completed_plan import Weights
-from sumo_reactive.messages.decision import Instruction, Occupancy
-from sumo_reactive.messages.plan import NominalPlan
-from sumo_reactive.messages.record import Scene, StepRecord
-from sumo_reactive.messages.state import Pose, VehicleState
-from sumo_reactive.messages.traffic import RoadUser
-from sumo_reactive.parameters import (
+from sumo_reactive.driver.field.shadow import corners_of, shadow_distance, shadow_potential, shadow_sum
+from sumo_reactive.driver.field.valley import taxicab_to_points, valley_potential
+from sumo_reactive.driver.field.valley_map import ValleyMap, map_potential, valley_map
+from sumo_reactive.driver.geometry.curve import Curve, project_on_curve
+from sumo_reactive.driver.geometry.footprint import Footprint, boxes_overlap
+from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.nouns.completed_plan import Weights
+from sumo_reactive.driver.nouns.decision import Instruction, Occupancy
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.parameters import (
     PAPER_CONTROL_PERIOD_S,
     SHADOW_HORIZON_M,
     SHADOW_SCALE,
@@ -61,14 +57,18 @@ from sumo_reactive.parameters import (
     VALLEY_ATTRACTION,
     VALLEY_REPULSION,
 )
-from sumo_reactive.perception.static import static_within
-from sumo_reactive.pilot.instructions import TUNINGS
-from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.pilot.instructions import TUNINGS
+from sumo_reactive.driver.vehicle.bicycle import advance_pose
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.static import static_within
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route
+from sumo_reactive.lab import trial
+from sumo_reactive.lab.metrics.moment import GHOST
+from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.vehicle.bicycle import advance_pose
-from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.road_graph import RoadGraph
-from sumo_reactive.world.route import Route
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]

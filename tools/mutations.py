@@ -29,7 +29,11 @@ from mutmut.utils.format_utils import get_mutant_name
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = "sumo_reactive"
-ROOMS = {"pilot": ("tests/pilot",), "executor": ("tests/executor",), "sumo": ("tests/sumo", "tests/sumo_contract")}
+ROOMS = {
+    "driver/pilot": ("tests/driver/pilot",),
+    "driver/field": ("tests/driver/field",),
+    "sumo": ("tests/sumo", "tests/sumo_contract"),
+}
 """The tests of each room."""
 NEEDED = (PACKAGE, "tests", "networks", "scenarios", "tools", "pyproject.toml", "README.md")
 """What tests may read."""

@@ -28,7 +28,7 @@ from unittest.mock import patch
 from compare_profiles import PROFILES, drive_once, known_names, table
 
 from sumo_reactive.cli.main import main as sumo_reactive
-from sumo_reactive.experiment.metric_names import METRICS, OTHERS, TIMINGS, Metric
+from sumo_reactive.lab.metric_names import METRICS, OTHERS, TIMINGS, Metric
 
 ROOT = Path(__file__).resolve().parent.parent
 README = ROOT / "README.md"

@@ -34,7 +34,7 @@ def _common(version: Annotated[bool, typer.Option("--version", callback=_show_ve
 
 def note_compiling() -> None:
     """Say so if the kernels are about to be compiled."""
-    from sumo_reactive.compilation import is_cached, is_kept
+    from sumo_reactive.driver.compilation import is_cached, is_kept
 
     if not is_cached():
         typer.echo(COMPILING_NOTE if is_kept() else COMPILING_ALWAYS_NOTE, err=True)

@@ -11,8 +11,8 @@ import typer
 from sumo_reactive.cli.app import app, note_compiling
 
 if TYPE_CHECKING:
-    from sumo_reactive.experiment.batch.experiment_file import Experiment
-    from sumo_reactive.experiment.batch.trials import Trial
+    from sumo_reactive.lab.batch.experiment_file import Experiment
+    from sumo_reactive.lab.batch.trials import Trial
 
 
 @app.command()
@@ -24,7 +24,7 @@ def batch(
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="run trials again that came to no result")] = False,
 ) -> int:
     """Run the trials of an experiment that its store does not hold yet; stopped at any time, it goes on where it was."""
-    from sumo_reactive.experiment.batch.experiment_file import load_experiment
+    from sumo_reactive.lab.batch.experiment_file import load_experiment
 
     experiment = load_experiment(file)
     if dry_run:
@@ -33,8 +33,8 @@ def batch(
 
 
 def _list(experiment: Experiment) -> int:
-    from sumo_reactive.experiment.batch.engine import scouted
-    from sumo_reactive.experiment.batch.trials import trials_of
+    from sumo_reactive.lab.batch.engine import scouted
+    from sumo_reactive.lab.batch.trials import trials_of
 
     trials = trials_of(experiment, lambda scenario: scouted(experiment, scenario, None))
     for trial in trials:
@@ -45,9 +45,9 @@ def _list(experiment: Experiment) -> int:
 
 def _run(experiment: Experiment, workers: int, scheduler: str | None, retry_failed: bool) -> int:
     from sumo_reactive.cli.batch_progress import shown
-    from sumo_reactive.experiment.batch.engine import run_batch, scouted
-    from sumo_reactive.experiment.batch.store import Store
-    from sumo_reactive.experiment.batch.trials import trials_of
+    from sumo_reactive.lab.batch.engine import run_batch, scouted
+    from sumo_reactive.lab.batch.store import Store
+    from sumo_reactive.lab.batch.trials import trials_of
 
     with Store(experiment.store) as store:
         trials = trials_of(experiment, lambda scenario: scouted(experiment, scenario, store))

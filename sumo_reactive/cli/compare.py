@@ -15,9 +15,9 @@ import typer
 from sumo_reactive.cli.app import app, figures_kept, note_compiling
 
 if TYPE_CHECKING:
-    from sumo_reactive.experiment.comparison.comparison import Comparison
-    from sumo_reactive.experiment.process.runner import Outcome
-    from sumo_reactive.experiment.scenario import Scenario
+    from sumo_reactive.lab.comparison.comparison import Comparison
+    from sumo_reactive.lab.process.runner import Outcome
+    from sumo_reactive.lab.scenario import Scenario
 
 DEFAULT_HORIZON_S = 600.0
 """Ten minutes: most trips in a town are over, and a jam that one car has caused is gone or has shown."""
@@ -46,8 +46,8 @@ def compare(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print no table")] = False,
 ) -> int:
     """Let SUMO's own driver and this one drive the same trips, and tell the differences, for the ego and for the others."""
-    from sumo_reactive.experiment.comparison.comparison import compare as compared
-    from sumo_reactive.experiment.comparison.record import require_usable, write
+    from sumo_reactive.lab.comparison.comparison import compare as compared
+    from sumo_reactive.lab.comparison.record import require_usable, write
 
     scenarios = _scenarios(config, ego or [], [number for text in seed or [] for number in _seeds(text)])
     scenarios = [_with_options(one, step_length, until, tuple(context.obj or ())) for one in scenarios]
@@ -67,7 +67,7 @@ def compare(
 
 def _scenarios(config: Path, egos: Sequence[str], seeds: Sequence[int]) -> list[Scenario]:
     """Return a scenario for each ego and seed; what the command line leaves out is as the file says."""
-    from sumo_reactive.experiment.scenario import load_scenario, load_scenario_file
+    from sumo_reactive.lab.scenario import load_scenario, load_scenario_file
 
     for option, values in (("--ego", egos), ("--seed", seeds)):
         if len(set(values)) < len(values):
@@ -121,7 +121,7 @@ def _told(number: int, quiet: bool) -> Iterator[Callable[[Outcome], None] | None
 
 
 def _show(comparison: Comparison, quiet: bool) -> None:
-    from sumo_reactive.experiment.comparison.record import HEAD, notes_of, rows_of
+    from sumo_reactive.lab.comparison.record import HEAD, notes_of, rows_of
 
     if not quiet:
         _show_table(HEAD, rows_of(comparison))

@@ -16,8 +16,8 @@ def explain(
     at: Annotated[float | None, typer.Option(help="tell all that was in force at this simulation time, s")] = None,
 ) -> int:
     """Tell in sentences why the ego of a recorded run did what it did."""
-    from sumo_reactive.report.explain import moment, story
-    from sumo_reactive.report.recording import load
+    from sumo_reactive.show.explain import moment, story
+    from sumo_reactive.show.recording import load
 
     recording = load(folder)
     typer.echo("\n".join(story(recording) if at is None else moment(recording, at)))

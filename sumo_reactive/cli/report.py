@@ -16,7 +16,7 @@ def report(
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="else beside the store, or in the folder")] = None,
 ) -> int:
     """Write one HTML page that shows a batch or a run, and loads nothing from anywhere."""
-    from sumo_reactive.report.reports import page_beside, page_of
+    from sumo_reactive.show.reports import page_beside, page_of
     from sumo_reactive.writing import write_whole
 
     target = out or page_beside(path)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
-    from sumo_reactive.experiment.batch.stored_results import Mean, Results
+    from sumo_reactive.lab.batch.stored_results import Mean, Results
 
 WIDE = 200
 """Columns of a table that goes to a file or another program."""
@@ -33,7 +33,7 @@ def results(
     parquet: Annotated[Path | None, typer.Option(metavar="F", help="the same as Parquet")] = None,
 ) -> int:
     """Show mean and 95 % interval of each metric by scenario, driver and parameters, or hand the table on."""
-    from sumo_reactive.experiment.batch.stored_results import Results, written
+    from sumo_reactive.lab.batch.stored_results import Results, written
 
     for target, form in ((csv, "csv"), (parquet, "parquet")):
         if target:

@@ -15,9 +15,9 @@ import typer
 from sumo_reactive.cli.app import app, figures_kept, note_compiling, progress_shown
 
 if TYPE_CHECKING:
-    from sumo_reactive.experiment.recorder import Recorder
-    from sumo_reactive.experiment.result import TrialResult
-    from sumo_reactive.experiment.scenario import Scenario
+    from sumo_reactive.lab.recorder import Recorder
+    from sumo_reactive.lab.result import TrialResult
+    from sumo_reactive.lab.scenario import Scenario
 
 
 class ProfileName(StrEnum):
@@ -57,8 +57,8 @@ def run(
 ) -> int:
     """Let the ego drive to its goal in a SUMO scenario, and judge the trip; or several egos at once."""
     from sumo_reactive.cli.fleet import asked_for, run_several
-    from sumo_reactive.experiment.recorder import Recorder
-    from sumo_reactive.experiment.scenario import load_scenario
+    from sumo_reactive.lab.recorder import Recorder
+    from sumo_reactive.lab.scenario import load_scenario
 
     scenario = load_scenario(config)
     _start_with_parameters(scenario)
@@ -79,8 +79,8 @@ def run(
 
 def _start_with_parameters(scenario: Scenario) -> None:
     """Start this program again, in place of this process, if the scenario asks for other parameters than it started with."""
-    from sumo_reactive.experiment.scenario import parameters_missing
-    from sumo_reactive.overrides import VARIABLE, overrides
+    from sumo_reactive.driver.overrides import VARIABLE, overrides
+    from sumo_reactive.lab.scenario import parameters_missing
 
     if parameters_missing(scenario):
         os.environ[VARIABLE] = json.dumps({**scenario.parameters, **overrides()})
@@ -98,8 +98,8 @@ def _with_options(
     until: float | None,
 ) -> Scenario:
     """Return the scenario with what the command line says in place of what the file says."""
-    from sumo_reactive.controller import Profile
-    from sumo_reactive.pilot.schedule import Delays
+    from sumo_reactive.driver.controller import Profile
+    from sumo_reactive.driver.pilot.schedule import Delays
 
     return replace(
         scenario,
@@ -113,7 +113,7 @@ def _with_options(
 
 
 def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialResult:
-    from sumo_reactive.experiment.trial import run_trial
+    from sumo_reactive.lab.trial import run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
     note_compiling()
@@ -124,7 +124,7 @@ def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialR
 
 
 def _show(result: TrialResult, quiet: bool) -> None:
-    from sumo_reactive.experiment.summary import rows_of
+    from sumo_reactive.lab.summary import rows_of
 
     if quiet:
         typer.echo(f"{result.ego}: {result.verdict}")

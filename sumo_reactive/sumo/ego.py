@@ -8,19 +8,19 @@ from dataclasses import replace
 
 import libsumo
 
+from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.nouns.completed_plan import Intent
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.parameters import STANDING_SPEED, TELEPORT_GUARD_S
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import ScenarioError, SimulationError
-from sumo_reactive.geometry.angle import wrapped
-from sumo_reactive.messages.completed_plan import Intent
-from sumo_reactive.messages.state import VehicleState
-from sumo_reactive.parameters import STANDING_SPEED, TELEPORT_GUARD_S
 from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.trips import arrival_of
 from sumo_reactive.sumo.units import FREE_EXACT, INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS, limits_of
-from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.lane import Lane
-from sumo_reactive.world.road_graph import RoadGraph
-from sumo_reactive.world.route import Route, ScheduledStop
 
 _REMOVE_ARRIVED = 2
 _GO_NEXT_SPEED = 0.05

@@ -6,9 +6,9 @@ import contextlib
 
 import libsumo
 
+from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.sumo.straddling import Haunt
 from sumo_reactive.sumo.units import KEEP_ROUTE_EXACT, angle_of
-from sumo_reactive.world.lane import Lane
 
 PREFIX = "reactive.ghost."
 """Ids of ghosts begin with this; no figure counts them."""

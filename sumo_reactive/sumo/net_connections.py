@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, joined
+from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
+from sumo_reactive.driver.world.junction import Connection, Control, LightLink, Turn
+from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.geometry.polyline import Points, Polyline, joined
-from sumo_reactive.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.sumo.net_file import Attributes, RawNet, edge_id_of, from_lane_id, to_lane_id
 from sumo_reactive.sumo.net_lanes import heights_of, lengthened
-from sumo_reactive.world.junction import Connection, Control, LightLink, Turn
-from sumo_reactive.world.lane import Lane
 
 LaneOf = Callable[[str], Lane]
 

@@ -9,15 +9,15 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.geometry.polyline import Points, cut, joined
+from sumo_reactive.driver.parameters import HOLD_BACK_REACH_M
+from sumo_reactive.driver.world.conflicts import hold_back, inside_part
+from sumo_reactive.driver.world.junction import Connection, Junction
+from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.geometry.polyline import Points, cut, joined
-from sumo_reactive.parameters import HOLD_BACK_REACH_M
 from sumo_reactive.sumo.net_connections import LaneOf, connection_from
 from sumo_reactive.sumo.net_file import Attributes, RawNet
 from sumo_reactive.sumo.net_lanes import coordinates
-from sumo_reactive.world.conflicts import hold_back, inside_part
-from sumo_reactive.world.junction import Connection, Junction
-from sumo_reactive.world.right_of_way import RightOfWay
 
 
 def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:

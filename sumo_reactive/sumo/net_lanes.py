@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.geometry.polyline import Points, Polyline
+from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.geometry.polyline import Points, Polyline
-from sumo_reactive.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of
-from sumo_reactive.world.lane import Lane
-from sumo_reactive.world.vehicle_class import VEHICLE_CLASSES
 
 DEFAULT_LANE_WIDTH_M = 3.2
 """SUMO's width of a lane that states none."""

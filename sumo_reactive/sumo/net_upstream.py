@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
+from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.sumo.net_connections import parts_of
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id
-from sumo_reactive.world.lane import Lane
 
 
 class NetUpstream:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from sumo_reactive.caching import kept
-from sumo_reactive.messages.plan import NominalPlan
-from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.parameters import LANES_REFRESH_M
-from sumo_reactive.perception.attention import in_sight, lanes_in_sight
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.parameters import LANES_REFRESH_M
+from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
 from sumo_reactive.sumo.static_obstacles import StaticView
-from sumo_reactive.world.junction import Connection
-from sumo_reactive.world.lane import Lane
-from sumo_reactive.world.road_graph import RoadGraph
 
 
 class Observer:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from sumo_reactive.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
 def overlooked(graph: RoadGraph, edges: Sequence[str]) -> frozenset[str]:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import libsumo
 
-from sumo_reactive.messages.traffic import Body, RoadUser
-from sumo_reactive.parameters import (
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.parameters import (
     OBSTACLE_POLYGONS,
     PERSON_DECELERATION,
     ROUTE_REFRESH_S,

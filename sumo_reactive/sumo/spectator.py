@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import libsumo
 from libsumo import constants as tc
 
-from sumo_reactive.messages.traffic import Body, RoadUser
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stop_lines import StopLines, read_signals
 from sumo_reactive.sumo.units import heading_of
 from sumo_reactive.sumo.vehicle_type import limits_of
-from sumo_reactive.vehicle.limits import VehicleLimits
 
 _SEEN = (
     tc.VAR_POSITION, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,

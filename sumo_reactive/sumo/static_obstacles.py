@@ -11,10 +11,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.geometry.footprint import Footprint
-from sumo_reactive.messages.traffic import NO_POINTS, Body, RoadUser
-from sumo_reactive.parameters import (
+from sumo_reactive.driver.geometry.footprint import Footprint
+from sumo_reactive.driver.nouns.traffic import NO_POINTS, Body, RoadUser
+from sumo_reactive.driver.parameters import (
     LANES_REFRESH_M,
     OBSTACLE_POLYGONS,
     OUTLINE_STEP_M,
@@ -23,6 +22,7 @@ from sumo_reactive.parameters import (
     STATIC_SIGHT_M,
     THIN_POLYGON_M,
 )
+from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.units import heading_of
 
 Array = NDArray[np.float64]

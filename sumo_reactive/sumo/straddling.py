@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sumo_reactive.messages.plan import LaneSegment, NominalPlan, Turnaround
-from sumo_reactive.messages.state import VehicleState
-from sumo_reactive.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
-from sumo_reactive.perception.cuts import cuts_of, lane_at_side
-from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.lane import Lane
-from sumo_reactive.world.road_graph import RoadGraph
+from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.cuts import cuts_of, lane_at_side
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 LEAVING_M = 0.4
 """A front this far beside the middle of its lane begins to leave it…"""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from sumo_reactive.messages.state import Pose
-from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.nouns.state import Pose
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 KEEP_ROUTE_EXACT = 3
 """moveToXY: keep the route (bit 0) and the exact position (bit 1)."""

@@ -6,8 +6,7 @@ import math
 
 import libsumo
 
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.parameters import (
+from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
     COMFORT_LATERAL_ACCELERATION,
     FRONT_OVERHANG_FRACTION,
@@ -19,7 +18,8 @@ from sumo_reactive.parameters import (
     TURNING_CIRCLE_M,
     WHEELBASE_FRACTION,
 )
-from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.errors import ScenarioError
 
 NOT_ROAD_CARS = frozenset(
     {"rail", "rail_urban", "rail_electric", "rail_fast", "tram", "subway", "cable_car", "ship", "aircraft", "drone"}

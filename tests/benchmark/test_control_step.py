@@ -6,15 +6,15 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, Situation, before
 
-from sumo_reactive.controller import Controller, Drive, passages_ahead
-from sumo_reactive.executor.executor import execute
-from sumo_reactive.messages.event import Event, EventKind
-from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.parameters import NEAR_M
-from sumo_reactive.perception.outlook import outlook
-from sumo_reactive.perception.perceive import perceive
-from sumo_reactive.pilot.events import detect
-from sumo_reactive.pilot.pilot import Style, decide
+from sumo_reactive.driver.controller import Controller, Drive, passages_ahead
+from sumo_reactive.driver.field.executor import execute
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.parameters import NEAR_M
+from sumo_reactive.driver.pilot.events import detect
+from sumo_reactive.driver.pilot.pilot import Style, decide
+from sumo_reactive.driver.view.outlook import outlook
+from sumo_reactive.driver.view.perceive import perceive
 
 OTHERS = (
     ("from_west_0", -4.0, 11.0, "to_east"),

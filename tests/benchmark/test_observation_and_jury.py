@@ -10,15 +10,15 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import NETWORKS, graph_of
 
-from sumo_reactive.experiment.metrics import Jury
-from sumo_reactive.messages.plan import NominalPlan
-from sumo_reactive.messages.record import Scene, StepRecord
-from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route
+from sumo_reactive.lab.metrics import Jury
 from sumo_reactive.sumo.observer import Observer
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.units import heading_of, pose_of
-from sumo_reactive.world.road_graph import RoadGraph
-from sumo_reactive.world.route import Route
 
 EGO, NETWORK, UNTIL_S = "ego", "signalised_left_turns", 25.0
 

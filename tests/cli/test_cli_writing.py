@@ -10,8 +10,8 @@ from helpers.stores import made_store
 
 from sumo_reactive.cli import main
 from sumo_reactive.errors import OutputError
-from sumo_reactive.experiment.comparison import comparison, record
-from sumo_reactive.experiment.comparison.comparison import Comparison
+from sumo_reactive.lab.comparison import comparison, record
+from sumo_reactive.lab.comparison.comparison import Comparison
 
 ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"

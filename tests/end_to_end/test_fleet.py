@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.experiment.fleet.egos import EgoRule
-from sumo_reactive.experiment.fleet.fleet import FleetResult, run_fleet
-from sumo_reactive.experiment.scenario import Scenario, load_scenario
-from sumo_reactive.experiment.trial import run_trial
-from sumo_reactive.messages.record import Scene
+from sumo_reactive.lab.fleet.egos import EgoRule
+from sumo_reactive.lab.fleet.fleet import FleetResult, run_fleet
+from sumo_reactive.lab.scenario import Scenario, load_scenario
+from sumo_reactive.lab.trial import run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 

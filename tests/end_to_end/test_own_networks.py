@@ -18,13 +18,13 @@ from helpers.priority import Priority, Rules
 from helpers.tools import tool
 from helpers.witness import RED, Witness
 
-from sumo_reactive.controller import Profile
-from sumo_reactive.experiment.result import TrialResult
-from sumo_reactive.experiment.scenario import load_scenario
-from sumo_reactive.experiment.trial import run_trial
-from sumo_reactive.geometry.footprint import Footprint
-from sumo_reactive.messages.decision import Instruction
-from sumo_reactive.messages.record import Scene, StepRecord
+from sumo_reactive.driver.controller import Profile
+from sumo_reactive.driver.geometry.footprint import Footprint
+from sumo_reactive.driver.nouns.decision import Instruction
+from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.trial import run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 DIGESTS = tool("digests")

@@ -10,12 +10,12 @@ import libsumo
 import pytest
 from sumolib import checkBinary
 
-from sumo_reactive.experiment.result import TrialResult
-from sumo_reactive.experiment.scenario import Scenario, load_scenario
-from sumo_reactive.experiment.trial import run_trial
-from sumo_reactive.geometry.footprint import Footprint
-from sumo_reactive.messages.decision import Instruction, Reason
-from sumo_reactive.messages.record import Scene
+from sumo_reactive.driver.geometry.footprint import Footprint
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
+from sumo_reactive.driver.nouns.record import Scene
+from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.scenario import Scenario, load_scenario
+from sumo_reactive.lab.trial import run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 LENGTH, WIDTH = 4.7, 1.8

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from sumo_reactive.messages.state import Pose, VehicleState
-from sumo_reactive.messages.traffic import Body, RoadUser
-from sumo_reactive.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 CAR = VehicleLimits(
     length=4.0, width=1.8, wheelbase=2.4, front_overhang=0.8, max_speed=50.0, max_acceleration=2.6,

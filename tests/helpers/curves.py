@@ -8,16 +8,16 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from helpers.cars import CAR
-from sumo_reactive.executor.executor import Execution, execute
-from sumo_reactive.geometry.curve import Curve
-from sumo_reactive.messages.completed_plan import CompletedPlan, Intent, Tuning, Weights
-from sumo_reactive.messages.decision import Behaviour, Instruction, StopAt
-from sumo_reactive.messages.plan import NominalPlan, TimeConstraint
-from sumo_reactive.messages.snapshot import Leader, Snapshot
-from sumo_reactive.messages.state import Pose, VehicleState
-from sumo_reactive.messages.traffic import RoadUser
-from sumo_reactive.perception.perceive import locate
-from sumo_reactive.planner.time_constraints import speed_envelope
+from sumo_reactive.driver.field.executor import Execution, execute
+from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Tuning, Weights
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, StopAt
+from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.path.time_constraints import speed_envelope
+from sumo_reactive.driver.view.perceive import locate
 
 STEP = 0.5
 WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)

@@ -3,12 +3,12 @@
 import json
 
 from helpers.results import result
-from sumo_reactive.experiment.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
-from sumo_reactive.experiment.summary import summary_of
-from sumo_reactive.experiment.trace import entries, line_of
-from sumo_reactive.experiment.trajectory import write_trajectory
-from sumo_reactive.messages.decision import Behaviour, Instruction
-from sumo_reactive.messages.record import StepRecord
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.nouns.record import StepRecord
+from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
+from sumo_reactive.lab.summary import summary_of
+from sumo_reactive.lab.trace import entries, line_of
+from sumo_reactive.lab.trajectory import write_trajectory
 
 NAN = float("nan")
 

@@ -1,6 +1,6 @@
 """Results of trials that never ran."""
 
-from sumo_reactive.experiment.result import TrialResult
+from sumo_reactive.lab.result import TrialResult
 
 
 def result(**others):

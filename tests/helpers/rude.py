@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from sumo_reactive.experiment.scenario import Scenario, load_scenario
+from sumo_reactive.lab.scenario import Scenario, load_scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS_RED = {"jmDriveAfterRedTime": 100}

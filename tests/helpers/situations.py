@@ -9,27 +9,27 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from helpers.cars import BODY, CAR
-from sumo_reactive.controller import Controller, Drive, Profile, Step, passages_ahead
-from sumo_reactive.messages.decision import Instruction, StopAt
-from sumo_reactive.messages.event import Event
-from sumo_reactive.messages.forecast import Outlook
-from sumo_reactive.messages.plan import Aside, NominalPlan
-from sumo_reactive.messages.snapshot import Snapshot
-from sumo_reactive.messages.state import Pose, VehicleState
-from sumo_reactive.messages.traffic import RoadUser, Traffic
-from sumo_reactive.perception.outlook import outlook
-from sumo_reactive.perception.perceive import perceive
-from sumo_reactive.pilot import situation as pilot
-from sumo_reactive.pilot.assessment import assess
-from sumo_reactive.pilot.behaviours.overtaking import try_out
-from sumo_reactive.pilot.memory import Overtaking, PilotMemory
-from sumo_reactive.pilot.passages import crossings
-from sumo_reactive.pilot.schedule import Delays
-from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.driver.controller import Controller, Drive, Profile, Step, passages_ahead
+from sumo_reactive.driver.nouns.decision import Instruction, StopAt
+from sumo_reactive.driver.nouns.event import Event
+from sumo_reactive.driver.nouns.forecast import Outlook
+from sumo_reactive.driver.nouns.plan import Aside, NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.pilot import situation as pilot
+from sumo_reactive.driver.pilot.assessment import assess
+from sumo_reactive.driver.pilot.behaviours.overtaking import try_out
+from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
+from sumo_reactive.driver.pilot.passages import crossings
+from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.driver.view.outlook import outlook
+from sumo_reactive.driver.view.perceive import perceive
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.world.junction import Connection
-from sumo_reactive.world.road_graph import RoadGraph
-from sumo_reactive.world.route import Route, ScheduledStop
 
 NETWORKS = Path(__file__).resolve().parents[2] / "networks"
 PERIOD = 0.1

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import libsumo
 
-from sumo_reactive.geometry.footprint import Footprint
+from sumo_reactive.driver.geometry.footprint import Footprint
 
 EGO = "ego"
 GHOST = "reactive.ghost."

@@ -13,9 +13,9 @@ import pytest
 from helpers.witness import EGO, FORCED_LIMIT, LENGTH_M, RED, Witness
 from sumolib import checkBinary
 
-from sumo_reactive.experiment.result import TrialResult
-from sumo_reactive.experiment.scenario import DEFAULT_SEED, Scenario, load_scenario
-from sumo_reactive.experiment.trial import run_trial
+from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
+from sumo_reactive.lab.trial import run_trial
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import sumo_arguments
 

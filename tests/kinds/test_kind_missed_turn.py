@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from kinds import Net, Witness, car, edge, link, node, situation, standing, stream
 
-from sumo_reactive.experiment.recorder import Recorder
-from sumo_reactive.experiment.trial import run_trial
-from sumo_reactive.report.explain import story
-from sumo_reactive.report.recording import load
+from sumo_reactive.lab.recorder import Recorder
+from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.show.explain import story
+from sumo_reactive.show.recording import load
 
 NODES = node("a", 0, 0) + node("b", 180, 0) + node("d", 280, 0) + node("e", 280, 100) + node("n", 180, 100)
 NODES += node("x", 80, 100)

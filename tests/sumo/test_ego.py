@@ -6,14 +6,14 @@ import libsumo
 import pytest
 from net_recipes import CROSS_NODES, converted, cross_edges
 
+from sumo_reactive.driver.nouns.completed_plan import Intent
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.world.route import Route
 from sumo_reactive.errors import ScenarioError, SimulationError
-from sumo_reactive.messages.completed_plan import Intent
-from sumo_reactive.messages.state import VehicleState
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.outputs import trip_of
 from sumo_reactive.sumo.units import front_of, pose_of
-from sumo_reactive.world.route import Route
 
 ROUTE = ("wc", "ce")
 LANE_Y = -1.6

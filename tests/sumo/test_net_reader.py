@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from net_recipes import MINIMAL
 
+from sumo_reactive.driver.world.junction import Control, LightLink, Turn
 from sumo_reactive.sumo.net_reader import NetFile, read_net
-from sumo_reactive.world.junction import Control, LightLink, Turn
 
 STRAIGHT, LEFT, SIDE = "w_0->e_0", "w_0->n_0", "s_0->n_0"
 

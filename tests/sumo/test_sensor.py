@@ -9,13 +9,13 @@ from helpers.cars import CAR
 from net_recipes import CROSS_NODES, converted, cross_edges
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M
-from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.world.route import Route
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.observer import Observer
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
 from sumo_reactive.sumo.units import heading_of, pose_of
-from sumo_reactive.world.route import Route
 
 SIDEWALKS = ("--no-turnarounds", "--sidewalks.guess", "--sidewalks.guess.max-speed", "15", "--crossings.guess")
 TYPE = '<vType id="t" length="4.4" width="1.7" decel="4" emergencyDecel="7" maxSpeed="33" sigma="0" speedDev="0"/>'

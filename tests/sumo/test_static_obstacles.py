@@ -7,7 +7,7 @@ import shapely
 from net_recipes import converted
 from simulations import running, simulated
 
-from sumo_reactive.parameters import OUTLINE_STEP_M, STATIC_SIGHT_M
+from sumo_reactive.driver.parameters import OUTLINE_STEP_M, STATIC_SIGHT_M
 from sumo_reactive.sumo.static_obstacles import StaticObstacles, StaticView, hull_of, outline
 
 NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="500" y="0"/></nodes>'

@@ -5,12 +5,12 @@ import math
 import pytest
 from net_recipes import converted
 
-from sumo_reactive.messages.state import Pose, VehicleState
-from sumo_reactive.planner.planner import PlanStart, plan
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.route import Route
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.straddling import cut_lane, haunt
-from sumo_reactive.vehicle.limits import VehicleLimits
-from sumo_reactive.world.route import Route
 
 CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
 BUS = VehicleLimits(12.0, 2.5, 7.2, 2.16, 25.0, 1.2, 2.5, 4.5, 7.0, 0.8, 1.0, 4.0, 3.0)

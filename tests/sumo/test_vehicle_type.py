@@ -6,8 +6,7 @@ import pytest
 from net_recipes import CROSS_NODES, converted, cross_edges
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.errors import ScenarioError
-from sumo_reactive.parameters import (
+from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
     COMFORT_LATERAL_ACCELERATION,
     FRONT_OVERHANG_FRACTION,
@@ -19,6 +18,7 @@ from sumo_reactive.parameters import (
     TURNING_CIRCLE_M,
     WHEELBASE_FRACTION,
 )
+from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.vehicle_type import limits_of, steering_angle_of
 
 KIND = 'length="4.4" width="1.7" accel="2.1" decel="4.1" emergencyDecel="8.5" maxSpeed="33" tau="1.3" minGap="1.7"'

@@ -5,7 +5,7 @@ import json
 import pytest
 from helpers.programs import numbers_in, run_tool
 
-from sumo_reactive.experiment.metric_names import METRICS
+from sumo_reactive.lab.metric_names import METRICS
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ import pytest
 from helpers.recordings import step
 from helpers.tools import tool
 
-from sumo_reactive.messages.decision import Behaviour, Decision, Reason
-from sumo_reactive.messages.record import StepRecord
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.record import StepRecord
 
 ROOT = Path(__file__).resolve().parents[2]
 TOOL = ROOT / "tools" / "digests.py"

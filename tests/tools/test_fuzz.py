@@ -50,7 +50,7 @@ def test_every_spoilt_input_ends_in_one_line(folder):
 def test_the_fuzzer_notices_what_ends_wrongly(folder, fault, told):
     code = f"""
 import sys
-import sumo_reactive.report.recording as one
+import sumo_reactive.show.recording as one
 def load(folder):
     {fault}
     from sumo_reactive.errors import ScenarioError

@@ -17,7 +17,7 @@ def kernel(function):
     raise RuntimeError("compiled")
 """
 SOURCE = """
-from sumo_reactive.compilation import kernel
+from sumo_reactive.driver.compilation import kernel
 
 @kernel
 def difference(a, b):
@@ -30,7 +30,7 @@ def forgotten(a):
     return a + 1
 """
 TESTS = """
-from sumo_reactive.pilot.maths import difference, larger
+from sumo_reactive.driver.pilot.maths import difference, larger
 
 def test_a_difference_is_computed():
     assert difference(5, 3) == 2
@@ -70,7 +70,7 @@ def test_what_the_tests_of_a_room_do_not_notice_is_shown_and_counted(project: Pa
     shown = answer.stdout.splitlines()
     assert "-    return a if a > b else b" in shown and "+    return a if a >= b else b" in shown
     assert "+    return a - 1" in shown and "+    return a + 2" in shown
-    survivors = [line.rpartition(": ")[2] for line in shown if line.startswith("# sumo_reactive.pilot.maths.")]
+    survivors = [line.rpartition(": ")[2] for line in shown if line.startswith("# sumo_reactive.driver.pilot.maths.")]
     assert sorted(survivors) == ["no tests", "no tests", "survived"]
     score = re.fullmatch(r"pilot +(\d+) of (\d+): (\d+)%", shown[-1])
     assert score is not None
@@ -90,8 +90,8 @@ def test_a_project_whose_tests_fail_is_told(project: Path) -> None:
 
 def test_a_sample_is_spread_over_the_rooms_and_the_same_for_the_same_seed() -> None:
     sampled = _load().sampled
-    mutants = {"pilot": [f"p{k}" for k in range(300)], "executor": [f"e{k}" for k in range(100)], "sumo": []}
+    mutants = {"pilot": [f"p{k}" for k in range(300)], "driver/field": [f"e{k}" for k in range(100)], "sumo": []}
     drawn = sampled(mutants, 40, 1)
-    assert {room: len(set(names)) for room, names in drawn.items()} == {"pilot": 30, "executor": 10}
+    assert {room: len(set(names)) for room, names in drawn.items()} == {"pilot": 30, "driver/field": 10}
     assert drawn == sampled(mutants, 40, 1) != sampled(mutants, 40, 2)
-    assert {room: len(names) for room, names in sampled(mutants, 1000, 1).items()} == {"pilot": 300, "executor": 100}
+    assert {room: len(names) for room, names in sampled(mutants, 1000, 1).items()} == {"pilot": 300, "driver/field": 100}

@@ -8,7 +8,7 @@ import sys
 import pytest
 from helpers.programs import ROOT, TOOLS, run_tool
 
-from sumo_reactive.experiment.metric_names import METRICS, OTHERS
+from sumo_reactive.lab.metric_names import METRICS, OTHERS
 
 README = ROOT / "README.md"
 CHECK_S = 500.0

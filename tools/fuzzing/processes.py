@@ -36,14 +36,14 @@ class Ended(NamedTuple):
 def warm_up(material: Path) -> None:
     """Load all that commands load, and the kernels, so that a forked process has them."""
     import sumo_reactive.cli.batch_progress
-    import sumo_reactive.experiment.batch.engine
-    import sumo_reactive.experiment.batch.stored_results
-    import sumo_reactive.experiment.comparison.comparison
-    import sumo_reactive.experiment.fleet.record
-    import sumo_reactive.report.reports
+    import sumo_reactive.lab.batch.engine
+    import sumo_reactive.lab.batch.stored_results
+    import sumo_reactive.lab.comparison.comparison
+    import sumo_reactive.lab.fleet.record
+    import sumo_reactive.show.reports
     import sumo_reactive.sumo.crash  # noqa: F401
-    from sumo_reactive.experiment.scenario import load_scenario
-    from sumo_reactive.experiment.trial import run_trial
+    from sumo_reactive.lab.scenario import load_scenario
+    from sumo_reactive.lab.trial import run_trial
 
     run_trial(load_scenario(material / "a.toml"))
 

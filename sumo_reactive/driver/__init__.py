@@ -1,0 +1,1 @@
+"""The paper's controller, whole: no SUMO, no files (F&L 1991, figure 1)."""

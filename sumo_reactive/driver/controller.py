@@ -1,0 +1,188 @@
+"""One control step on one screen: perceive, decide, execute, advance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import NamedTuple
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.field.executor import Execution, execute
+from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap, valley_map
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S, PLANS_KEPT
+from sumo_reactive.driver.path.time_constraints import retimed
+from sumo_reactive.driver.pilot.events import detect, only_foes
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import Ahead
+from sumo_reactive.driver.pilot.pilot import Style, confirm, decide, may_confirm, notice
+from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.driver.vehicle.bicycle import advance
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.attention import conflicts_of
+from sumo_reactive.driver.view.foes import foes_of
+from sumo_reactive.driver.view.outlook import outlook
+from sumo_reactive.driver.view.perceive import locate, perceive
+from sumo_reactive.driver.view.static import static_within
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+
+class Profile(Enum):
+    """`DEFAULT`: 81 commands, exact distances. `PAPER`: nine commands, bitmaps, δt = 0.5 s (F&L 1991, §4)."""
+
+    DEFAULT = "default"
+    PAPER = "paper"
+
+
+class Drive(NamedTuple):
+    """All that one step hands to the next: the ego, its plan and place on it, the pilot's memory, the executor's map.
+
+    `completed` is the plan that the pilot has completed last, in force until an event; `last` is the execution whose
+    command is held until simulation time `held_until` (s). `d`: how far left of C the front axle is (m; None: to be found).
+    """
+
+    ego: VehicleState
+    plan: NominalPlan
+    s: float
+    memory: PilotMemory = PilotMemory()
+    completed: CompletedPlan | None = None
+    valley: ValleyMap = NO_MAP
+    last: Execution | None = None
+    held_until: float = -math.inf
+    d: float | None = None
+
+
+class Step(NamedTuple):
+    """What a control step saw, decided and did, and where that leaves the ego. `asked`: runs of the highway code in it."""
+
+    snapshot: Snapshot
+    completed: CompletedPlan
+    execution: Execution
+    drive: Drive
+    asked: int = 0
+
+
+@dataclass(frozen=True)
+class Controller:
+    """The paper's motion controller for one car in one world (F&L 1991, figure 1)."""
+
+    graph: RoadGraph
+    limits: VehicleLimits
+    profile: Profile = Profile.DEFAULT
+    delays: Delays = Delays.REPLAN
+    vehicle_class: str = "passenger"
+
+    def step(self, traffic: Traffic, drive: Drive, duration: float) -> Step:
+        """Drive for `duration` s: one control step, or as many as a coarse duration needs.
+
+        A decision that asks for another curve or route stands until the end of the duration: only then it is planned.
+        """
+        longest = PAPER_CONTROL_PERIOD_S if self.profile is Profile.PAPER else CONTROL_PERIOD_S
+        parts = max(1, math.ceil(duration / longest - 1e-6))
+        period = duration / parts
+        step = self._once(traffic, drive, period)
+        for part in range(1, parts):
+            before = step
+            decides = not before.completed.awaits_plan
+            step = self._once(moved(traffic, part * period), step.drive, period, decides=decides)
+            step = step._replace(
+                completed=step.completed.after(before.completed), execution=step.execution.after(before.execution),
+                asked=before.asked + step.asked,
+            )  # fmt: skip
+        return step
+
+    def _once(self, traffic: Traffic, drive: Drive, period: float, *, decides: bool = True) -> Step:
+        looks = drive.memory.premises is None or not drive.memory.premises.is_settled
+        seen = perceive(
+            traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d,
+            looks_for_foes=looks,
+        )  # fmt: skip
+        snapshot, completed, memory, asked = self._completed(seen, traffic, drive, looks, decides=decides)
+        held_plan = completed.held() if completed.events else completed
+        if drive.last is not None and traffic.time < drive.held_until - 1e-6:
+            ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
+            execution = drive.last._replace(state=ego)
+            s, d = locate(ego, drive.plan, self.limits, snapshot.s)
+            after = drive._replace(ego=ego, s=s, memory=memory, completed=held_plan, d=d)
+            return Step(snapshot, completed, execution, after, asked)
+        valley = self._valley(drive, snapshot, traffic)
+        nine = self.profile is Profile.PAPER
+        held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
+        execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
+        if held > period:
+            execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
+        s, d = locate(execution.state, drive.plan, self.limits, snapshot.s)
+        until = traffic.time + held
+        after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
+        return Step(snapshot, completed, execution, after, asked)
+
+    def _completed(
+        self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool, *, decides: bool
+    ) -> tuple[Snapshot, CompletedPlan, PilotMemory, int]:
+        """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
+        none yet. Last is how often the highway code was asked."""
+        plan, memory = drive.plan, notice(snapshot, drive.memory)
+        ahead = passages_ahead(self.graph, plan, snapshot.passages)
+        no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
+        events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
+        if not events and drive.completed is not None:
+            return snapshot, drive.completed, memory, 0
+        if not has_foes:
+            snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
+        asked = 1
+        if drive.completed is not None and only_foes(events, snapshot) and may_confirm(snapshot, memory):
+            asked = 2
+            confirmed = confirm(snapshot, ahead, drive.completed, memory, self.limits)
+            if confirmed is not None:
+                return snapshot, drive.completed, confirmed, 1
+        view = outlook(traffic, snapshot, plan, self.graph, self.limits)
+        style = Style(self.profile is Profile.PAPER, self.delays)
+        completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
+        if completed.request.what is Replanning.TIMES:
+            times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits)
+            completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
+        return snapshot, completed, memory, asked
+
+    def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:
+        """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""
+        if self.profile is Profile.DEFAULT:
+            return NO_MAP
+        pose = snapshot.ego.pose
+        if len(drive.valley.bitmaps) and drive.valley.holds(pose.x, pose.y, MAP_MARGIN_M):
+            return drive.valley
+        plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
+        static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
+        return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static)
+
+
+@kept(PLANS_KEPT)
+def passages_ahead(graph: RoadGraph, plan: NominalPlan, passages: tuple[int, ...]) -> Ahead:
+    """Return what the map knows of some passages of a plan, by their indices."""
+    ids = ((i, plan.passages[i].connection_id) for i in passages)
+    return tuple((i, graph.connections[name], conflicts_of(graph, name)) for i, name in ids)
+
+
+def moved(traffic: Traffic, duration: float) -> Traffic:
+    """Foresee the others `duration` s on: at constant speed along their heading."""
+    users = tuple(_moved(user, duration) for user in traffic.users)
+    return replace(traffic, time=traffic.time + duration, users=users)
+
+
+def _moved(user: RoadUser, duration: float) -> RoadUser:
+    way = user.speed * duration
+    return user._replace(
+        x=user.x + way * math.cos(user.heading),
+        y=user.y + way * math.sin(user.heading),
+        lane_position=user.lane_position + way,
+    )
+
+
+def replanned(drive: Drive, plan: NominalPlan, time: float) -> Drive:
+    """Return the drive on a new plan, which begins at the ego's front axle, inherits the delay and has no move under way."""
+    late, memory = drive.plan.delay(drive.s, time), drive.memory._replace(move=None)
+    return drive._replace(plan=replace(plan, times=plan.times - late), s=0.0, memory=memory, valley=NO_MAP, d=None)

@@ -1,0 +1,375 @@
+"""One command from the potential field: expand the grid, discard, score, choose (F&L 1991, §3.2)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.field.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid, wide_grid
+from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command
+from sumo_reactive.driver.field.moves import moved_on
+from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
+from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
+from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
+from sumo_reactive.driver.nouns.decision import Instruction
+from sumo_reactive.driver.nouns.plan import TimeConstraint
+from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
+from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour, Snapshot
+from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
+from sumo_reactive.driver.parameters import (
+    BACK_UP_SPEED,
+    BEND_ENTRY_S,
+    BEND_ROOM_M,
+    BEND_SHARE,
+    BRAKING_SHARE,
+    COARSE_STOP_MARGIN_M,
+    COMFORT_JERK,
+    CURVATURE_WINDOW_M,
+    EXCESS_GAIN,
+    HARD_STOP_MARGIN_M,
+    PRESSING_GAIN,
+    SAFE_GAP_M,
+    SLOT_HEADWAY_S,
+    SPEED_APPROACH_S,
+    SPEED_SLACK,
+    STEERING_GAIN,
+    STOP_LINE_MARGIN_M,
+    TIME_TOLERANCE_S,
+)
+from sumo_reactive.driver.vehicle.bicycle import advance
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
+
+Array = NDArray[np.float64]
+
+HARDER_BY = 1e-3
+"""m/s²; rounding."""
+SLIGHTLY_M = (0.1, 0.03)
+"""Carried off C this much farther is not worth an emergency; what an emergency goes on for."""
+
+
+class Potentials(NamedTuple):
+    """U and its three terms for the chosen command."""
+
+    total: float
+    valley: float
+    shadow: float
+    velocity: float
+
+
+NO_POTENTIALS = Potentials(0.0, 0.0, 0.0, 0.0)
+"""Of a command that no field has chosen."""
+
+
+class Execution(NamedTuple):
+    """The command for the next control period, the state it leads to, and feedback to the pilot.
+
+    `emergency`: it brakes harder than planned, because nothing milder stops clear of `hazard` (see `StepRecord`); with none,
+    no command is admissible, and it is the hardest brake along C.
+    """
+
+    command: Command
+    state: VehicleState
+    desired_speed: float
+    potentials: Potentials
+    emergency: bool
+    hazard: str = ""
+
+    def after(self, before: Execution) -> Execution:
+        """Return the execution, an emergency if the one `before` it in the same step was."""
+        return self._replace(emergency=True, hazard=before.hazard) if before.emergency else self
+
+
+class Wish(NamedTuple):
+    """v_d (m/s); whether braking for it must not wait for the comfortable jerk (`is_pressing`); what planned braking would
+    not stop clear of (`hazard`, empty: nothing)."""
+
+    speed: float
+    is_pressing: bool = False
+    hazard: str = ""
+
+
+class _Braking(NamedTuple):
+    """A deceleration (m/s²), whether it must not wait, and whether milder, planned braking would not stop clear."""
+
+    rate: float
+    is_pressing: bool = False
+    is_emergency: bool = False
+
+
+def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Wish:
+    """v_d: the least speed that the time constraint, the road ahead, the stop and every leader leave.
+
+    It falls with the comfortable deceleration, with up to the planned one where a stop or a leader presses, and only where
+    that would not stop clear, harder: then it names the hazard.
+    """
+    speed, front, profile = snapshot.ego.speed, snapshot.front, completed.tuning.profile
+    comfort = min(limits.comfort_deceleration * profile.deceleration, limits.planned_deceleration)
+    easing = _easing(snapshot, completed, limits, comfort)
+    free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
+    eased = speed - easing.rate * period  # carried off C, it must be slower than C asks for, to come back to it
+    wish = Wish(eased, True, BEND) if easing.is_emergency else Wish(max(free, eased), easing.is_pressing)
+    headway = limits.time_headway * profile.headway
+    if completed.stop is not None:
+        away = completed.stop.s - STOP_LINE_MARGIN_M - front
+        asked = stopping_speed(away, comfort, period)
+        if asked < wish.speed:
+            braking = _braking(speed, 0.0, away, completed.stop.s - HARD_STOP_MARGIN_M - front, limits, comfort)
+            wish = _lower(wish, asked, speed, braking, period, STOP_PLACE)
+    for leader in snapshot.leaders:
+        gap = leader.s - front - limits.standstill_gap
+        asked = following_speed(gap, leader.speed, comfort, headway)
+        if asked < wish.speed:
+            braking = _braking(speed, leader.speed, gap, _room_behind(leader, front), limits, comfort)
+            wish = _lower(wish, asked, speed, braking, period, leader.user_id)
+    slot = _slot(snapshot, completed.slot) if completed.slot else None
+    if slot is not None:
+        gap = slot.ahead - slot.user.body.length
+        following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
+        wish = _lower(wish, following, speed, _Braking(comfort), period, "")
+    return wish if wish.speed >= 0.0 else wish._replace(speed=0.0)
+
+
+def _lower(wish: Wish, asked: float, speed: float, braking: _Braking, period: float, hazard: str) -> Wish:
+    """Return `wish` lowered to the `asked` speed (m/s), as far as `braking` takes the ego's `speed` (m/s) there."""
+    reached = max(asked, speed - braking.rate * period)
+    if reached >= wish.speed:
+        return wish
+    return Wish(reached, braking.is_pressing or wish.is_pressing, hazard if braking.is_emergency else wish.hazard)
+
+
+def _braking(
+    speed: float, final: float, away: float, room: float, limits: VehicleLimits, comfort: float
+) -> _Braking:
+    """Return how hard to brake from `speed` to `final` (m/s) within `away` m, of which a margin may go that leaves `room`.
+
+    The planned braking is enough as long as it stays within `room`; it presses where its gentle onset would not.
+    """
+    planned = limits.planned_deceleration
+    needed = _needed(speed, final, max(away, BRAKING_SHARE * room), limits)
+    if needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY:
+        return _Braking(needed, is_pressing=True, is_emergency=True)
+    onset = (speed - final) * planned / (2.0 * COMFORT_JERK)
+    is_pressing = speed * speed - final * final > 2.0 * planned * max(room - onset, 0.0) and speed > final
+    return _Braking(min(comfort + PRESSING_GAIN * max(needed - comfort, 0.0), planned), is_pressing)
+
+
+def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> _Braking:
+    """Return the braking towards the road's speed: comfortable, harder where the ego is too fast for it, an emergency where
+    planned braking would not hold the bend ahead or the one that it is in."""
+    speed, road, planned = snapshot.ego.speed, completed.plan.road_speed(snapshot.s), limits.planned_deceleration
+    is_off = abs(snapshot.d) > BEND_ROOM_M
+    if is_off or speed * speed * limits.comfort_deceleration > road * road * planned:
+        ahead = _braking_for_bend(snapshot, completed, limits)
+        needed = _braking_in_bend(snapshot, completed, limits, max(ahead, planned))
+        if needed > planned:
+            return _Braking(needed, is_pressing=True, is_emergency=True)
+    return _Braking(min(comfort + EXCESS_GAIN * max(speed - road - SPEED_SLACK, 0.0), planned))
+
+
+def _braking_for_bend(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits) -> float:
+    """Return the deceleration (m/s²) that the tightest bend within the planned way to stop needs."""
+    curve, speed = completed.plan.curve, snapshot.ego.speed
+    window = max(int(CURVATURE_WINDOW_M / curve.step), 1)
+    near = max(BEND_ENTRY_S * speed, curve.step)
+    first = int((snapshot.s + near) / curve.step)
+    reach = int(speed * speed / (2.0 * limits.planned_deceleration) / curve.step) + window
+    bends = np.abs(curve.curvature[first : first + reach + 1])
+    if len(bends) <= window:
+        return 0.0
+    bends = np.convolve(bends, np.full(window, 1.0 / window), "valid")
+    lateral = BEND_SHARE * limits.max_lateral_acceleration
+    way = near + curve.step * np.arange(len(bends))
+    needed = (speed * speed - lateral / np.maximum(bends, 1e-6)) / (2.0 * way)
+    return float(min(max(needed.max(), 0.0), limits.emergency_deceleration))
+
+
+def _braking_in_bend(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, least: float) -> float:
+    """Return the deceleration (m/s²), `least` or harder, with which the ego is carried off C no farther than BEND_ROOM_M or
+    than it is; the emergency's where none is enough."""
+    curve, ego, planned = completed.plan.curve, snapshot.ego, limits.planned_deceleration
+    error = wrapped(ego.pose.heading + ego.steering_angle - curve.heading_at(snapshot.s))
+    lateral = BEND_SHARE * limits.max_lateral_acceleration
+    held = max(BEND_ROOM_M, abs(snapshot.d) + SLIGHTLY_M[bool(ego.acceleration < -planned - HARDER_BY)])
+    for rate in (least, 0.5 * (least + limits.emergency_deceleration)):
+        away = carried_out(curve.curvature, curve.step, snapshot.s, snapshot.d, error, ego.speed, rate, lateral)
+        if away <= held:
+            return rate
+    return limits.emergency_deceleration
+
+
+def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
+    return next((n for n in snapshot.neighbours if n.user.id == user_id), None)
+
+
+def _target(snapshot: Snapshot, completed: CompletedPlan) -> TimeConstraint | None:
+    """Return the next (l, t_l) of P⁺."""
+    for constraint in completed.time_constraints:
+        if constraint.s > snapshot.front:
+            return constraint
+    return None
+
+
+def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
+    """The speed that road and time constraint ask for, approached gently from below (m/s)."""
+    plan, speed, target = completed.plan, snapshot.ego.speed, _target(snapshot, completed)
+    acceleration = limits.max_acceleration * completed.tuning.profile.acceleration
+    sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
+    road = plan.speed_limits.item(min(max(sample, 0), len(plan.speed_limits) - 1))
+    best = road
+    if target is not None:
+        left = target.time - snapshot.time - TIME_TOLERANCE_S
+        best = min(road, cruise_speed(speed, target.s - snapshot.front, left, road, acceleration))
+    return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
+
+
+def _without_jerk(wish: Wish, ego: VehicleState, period: float) -> float:
+    """Bound the fall of v_d by the comfortable jerk as long as nothing presses (m/s)."""
+    if wish.is_pressing:
+        return wish.speed
+    return max(wish.speed, ego.speed + gentlest_brake(ego.acceleration, period) * period)
+
+
+def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) -> float:
+    """Deceleration (m/s²) that reaches `final` speed within `distance` m, at most the emergency's."""
+    if speed <= final:
+        return 0.0
+    needed = (speed * speed - final * final) / (2.0 * max(distance, 0.1))
+    return min(needed, limits.emergency_deceleration)
+
+
+def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
+    """The steering rate (rad/s) that turns the front wheels' velocity along C, and back onto it, within one period."""
+    ego = snapshot.ego
+    turn = ego.speed * math.sin(ego.steering_angle) / limits.wheelbase * period
+    ahead = snapshot.s + 0.5 * ego.speed * period
+    along = completed.plan.curve.heading_at(ahead) - ego.pose.heading - 0.5 * turn
+    back = math.atan2(STEERING_GAIN * snapshot.d, ego.speed + 1.0)
+    return (wrapped(along - back) - ego.steering_angle) / period
+
+
+def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = HARD_STOP_MARGIN_M) -> float:
+    """Way (m) in which the hardest braking must stop the front bumper: `margin` m before line or region, behind leaders."""
+    room = math.inf
+    if completed.stop is not None:
+        room = completed.stop.s - margin - snapshot.front
+    for leader in snapshot.leaders:
+        braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
+        room = min(room, _room_behind(leader, snapshot.front) + braking)
+    return room
+
+
+def _room_behind(leader: Leader, front: float) -> float:
+    """Way (m) to the least gap behind a leader: half of it may go where it is narrow already."""
+    gap = leader.s - front
+    return max(gap - SAFE_GAP_M, 0.5 * gap)
+
+
+def execute(
+    snapshot: Snapshot,
+    completed: CompletedPlan,
+    limits: VehicleLimits,
+    period: float,
+    *,
+    nine_commands: bool = False,
+    valley: ValleyMap = NO_MAP,
+) -> Execution:
+    """Choose the admissible command that minimises U = w₁U₁ + w₂U₂ + w₃U₃ (F&L 1991, §3.2).
+
+    `nine_commands` takes the paper's command space instead of the fine grid, `valley` its bitmaps instead of exact
+    distances.
+    """
+    if completed.instruction is Instruction.BACK_UP:
+        return back_up(snapshot, completed, limits, period)
+    if completed.move is not None:
+        calm = limits.max_acceleration * completed.tuning.profile.acceleration
+        command, state = moved_on(snapshot, completed.move, calm, limits, period)
+        return Execution(command, state, state.speed, NO_POTENTIALS, emergency=False)
+    ego = snapshot.ego
+    wish = desired_speed(snapshot, completed, limits, period)
+    wanted = _without_jerk(wish, ego, period)
+    if wanted <= 0.0 and ego.speed == 0.0 and not nine_commands:  # there is nothing to choose
+        return Execution(Command(0.0, 0.0), replace(ego, acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
+    if nine_commands:
+        grid = paper_grid(limits, ego.speed, period)
+    else:
+        lock = limits.max_steering_angle
+        steering = steering_rate_of_curve(snapshot, completed, limits, period)
+        steering = min(max(steering, (-lock - ego.steering_angle) / period), (lock - ego.steering_angle) / period)
+        grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
+    if completed.tuning.wide_grid:
+        grid = wide_grid(limits)
+    planned = limits.service_deceleration if nine_commands else limits.planned_deceleration
+    lowest = min(wanted, ego.speed - planned * period)
+    room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
+    index, verdict, potentials, state = _choose(
+        snapshot, completed, grid, limits, period, room, (wanted, lowest), valley
+    )
+    i, j = divmod(index, len(grid.steering_rates))
+    command = Command(grid.accelerations.item(i), grid.steering_rates.item(j))
+    emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
+    hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
+    return Execution(command, state, wanted, potentials, emergency, hazard)
+
+
+def _choose(
+    snapshot: Snapshot,
+    completed: CompletedPlan,
+    grid: CommandGrid,
+    limits: VehicleLimits,
+    period: float,
+    room: float,
+    aims: tuple[float, float],
+    valley: ValleyMap,
+) -> tuple[int, int, Potentials, VehicleState]:
+    """Return the command's index, the verdict on it, its potentials and the state that it leads to."""
+    ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
+    p = ego.pose
+    lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
+    car = np.array(
+        (
+            p.x,
+            p.y,
+            p.heading,
+            ego.speed,
+            ego.steering_angle,
+            limits.wheelbase,
+            limits.front_to_rear_axle,
+            limits.length,
+            limits.width,
+            limits.max_speed,
+            max(limits.max_steering_angle, abs(ego.steering_angle)),
+            limits.max_lateral_acceleration,
+            limits.emergency_deceleration,
+            lateral,
+            w.valley,
+            w.shadow,
+            w.velocity,
+        )
+    )
+    index, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
+        car, grid.accelerations, grid.steering_rates, period, room, *aims,
+        curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes,
+    )  # fmt: skip
+    potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
+    return index, verdict, potentials, VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
+
+
+def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:
+    """Drive backwards at walking speed, wheels straight, until the front bumper is at the stop that the pilot named."""
+    ego = snapshot.ego
+    left = max(snapshot.front - completed.stop.s, 0.0) if completed.stop else 0.0
+    calm = limits.max_acceleration * completed.tuning.profile.acceleration
+    faster = max(-ego.speed, 0.0) + calm * period
+    wanted = -min(BACK_UP_SPEED, math.sqrt(2.0 * calm * left), faster)
+    steering = -ego.steering_angle / period
+    rate = max(-limits.max_steering_rate, min(limits.max_steering_rate, steering))
+    command = Command((wanted - ego.speed) / period, rate)
+    state = advance(ego, command, limits.wheelbase, period, lowest=-BACK_UP_SPEED)
+    return Execution(command, state, wanted, NO_POTENTIALS, emergency=False)

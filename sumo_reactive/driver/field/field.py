@@ -1,0 +1,235 @@
+"""The potential field over the command space: one compiled pass over all commands (F&L 1991, §3.2, §3.3)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.field.collision import braking_collides
+from sumo_reactive.driver.field.shadow import corners_of, shadow_sum
+from sumo_reactive.driver.field.valley import taxicab_to_points, valley_potential
+from sumo_reactive.driver.field.valley_map import map_potential
+from sumo_reactive.driver.field.velocity import velocity_potential
+from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.parameters import (
+    COLLISION_HORIZON_S,
+    COLLISION_STEP_S,
+    CONTROL_PERIOD_S,
+    LOOK_AHEAD_GROWTH,
+    LOOK_AHEAD_S,
+    MIN_LOOK_AHEAD_M,
+    PAPER_CONTROL_PERIOD_S,
+    SHADOW_HORIZON_M,
+    SHADOW_SCALE,
+    VALLEY_ATTRACTION,
+    VALLEY_REPULSION,
+)
+from sumo_reactive.driver.vehicle.bicycle import advance_pose
+
+Array = NDArray[np.float64]
+
+ADMISSIBLE, EMERGENCY, NO_COMMAND = 0, 1, 2
+
+_HARDER = 1e9
+"""More than any U: a command that brakes harder than it should is chosen when no milder one is admissible."""
+
+_WINDOW_M = 2.0
+
+HOLD_PARTS = round(PAPER_CONTROL_PERIOD_S / CONTROL_PERIOD_S)
+"""Parts in which a held command is driven."""
+
+MAP_STEERINGS = 2
+"""Further steerings that U₁ of the bitmaps looks ahead: 1 s at δt = 0.5 s, a turn's entry."""
+
+HARSH_FROM = 0.1
+"""m/s; braking below the desired speed by more than this in one period…"""
+
+HARSHNESS = 20.0
+"""…counts so many times: it is for stopping in time, not for keeping to C."""
+
+MIN_MAP_SPEED = 2.0
+"""m/s; …driven at least so fast, so that a standing car knows where to steer and may start beside C."""
+
+
+@kernel
+def valley_at(
+    x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+) -> float:  # fmt: skip
+    """U₁ of a pose from exact distances.
+
+    It is that of the distance which F will have to C a look-ahead later if its velocity keeps the angle to C that it has
+    in the middle of the period: zero for a car that follows C, whatever the curvature.
+    """
+    reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
+    fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
+    at, d = project_on_curve(fx, fy, cx, cy, step, s + speed * period, _WINDOW_M)
+    u = (at - 0.5 * speed * period) / step
+    i = min(max(int(u), 0), len(ch) - 2)
+    along = ch[i] + min(max(u - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
+    turned = 0.5 * speed * math.sin(angle) / wheelbase * period
+    distance = abs(d + reach * math.sin(heading - turned + angle - along))
+    return valley_potential(distance, taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
+
+
+@kernel
+def ramped(
+    x: float, y: float, heading: float, speed: float, angle: float, to_speed: float, to_angle: float, wheelbase: float,
+    period: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the pose after `period` s in which speed (m/s) and steering angle (rad) change as the held command does."""
+    for part in range(1, HOLD_PARTS + 1):
+        share = part / HOLD_PARTS
+        v, w = speed + share * (to_speed - speed), angle + share * (to_angle - angle)
+        x, y, heading = advance_pose(x, y, heading, v, w, wheelbase, period / HOLD_PARTS)
+    return x, y, heading
+
+
+@kernel
+def mapped_valley(
+    x: float, y: float, heading: float, speed: float, angle: float, turn: float, limits: Array, period: float,
+    bitmaps: Array, x0: float, y0: float, cell: float,
+) -> float:  # fmt: skip
+    """U₁ of a pose on the `bitmaps` of F and R: the least that MAP_STEERINGS further periods at `speed` can reach.
+
+    Each adds −`turn`, 0 or +`turn` rad to the steering angle, within the limits; holding it always is. Reading: a distance
+    without its direction does not damp, so U₁ is looked up where the nine commands themselves can lead.
+    """
+    least = np.inf
+    for path in range(3**MAP_STEERINGS):  # no recursion: a recursive kernel crashes when it comes from the disk cache
+        qx, qy, qh, now, left, allowed = x, y, heading, angle, path, True
+        for _ in range(MAP_STEERINGS):
+            after = now + (left % 3 - 1) * turn
+            left //= 3
+            lateral = abs(speed * speed * math.sin(after) / limits[0])
+            allowed = allowed and abs(after) <= limits[5] + 1e-9 and lateral <= max(limits[6], limits[8])
+            qx, qy, qh = ramped(qx, qy, qh, speed, now, speed, after, limits[0], period)
+            now = after
+        if allowed:
+            fx, fy = qx + limits[0] * math.cos(qh), qy + limits[0] * math.sin(qh)
+            front = map_potential(bitmaps[0], fx, fy, x0, y0, cell)
+            least = min(least, max(front, map_potential(bitmaps[1], qx, qy, x0, y0, cell)))
+    return least
+
+
+@kernel
+def expand(
+    state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float, out: Array
+) -> None:
+    """Fill `out` (a·w, 4) with speed, angle, kinematically allowed, stops in time.
+
+    `state` (5): x, y, heading, speed, angle. `limits` (9): wheelbase, to front, length, width, top speed, φmax, lateral
+    limit, emergency deceleration, present lateral acceleration. `room`: way left to a stop, m.
+    """
+    for j in range(len(rates)):
+        angle = state[4] + rates[j] * period
+        turn, within = math.sin(angle), abs(angle) <= limits[5] + 1e-9
+        for i in range(len(accelerations)):
+            v = min(max(0.0, state[3] + accelerations[i] * period), max(limits[4], state[3]))
+            stops = v * period + v * v / (2.0 * limits[7]) <= room or v == 0.0
+            allowed = within and abs(v * v * turn / limits[0]) <= max(limits[6], limits[8])
+            q = out[i * len(rates) + j]
+            q[0], q[1], q[2], q[3] = v, angle, 1.0 if allowed else 0.0, 1.0 if stops else 0.0
+
+
+@kernel
+def valley_of_command(
+    state: Array, pose: tuple[float, float, float], speed: float, angle: float, turn: float, limits: Array, period: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float,
+) -> float:  # fmt: skip
+    """U₁ of the command that leads from `state` (5) to `pose`, `speed` (m/s) and steering `angle` (rad) within the period.
+
+    `turn`: what the steering angle can change by in a period, rad.
+    """
+    if len(bitmaps) == 0:
+        return valley_at(pose[0], pose[1], pose[2], speed, angle, limits[0], period, cx, cy, ch, step, s, static)
+    x, y, heading = ramped(state[0], state[1], state[2], state[3], state[4], speed, angle, limits[0], period)
+    v = max(speed, MIN_MAP_SPEED)
+    return mapped_valley(x, y, heading, v, angle, turn, limits, period, bitmaps, x0, y0, cell)
+
+
+@kernel
+def choose_command(
+    car: Array, accelerations: Array, rates: Array, period: float, room: float, wanted: float, lowest: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array,
+) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
+    """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
+    steering angle where it leads.
+
+    The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
+    touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
+    other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
+    keeps the limits. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8) cast U₂
+    and are tested for contact.
+
+    No term is negative, so U₁ and U₂ are due only for what would win without them: of each command U grows term by term
+    until the least one is whole.
+    """
+    state, limits, weights = car[:5], car[5:14], car[14:]
+    n = len(accelerations) * len(rates)
+    ahead = np.empty((n, 4))
+    expand(state, accelerations, rates, limits, period, room, ahead)
+    corners = corners_of(boxes)
+    terms, poses = np.zeros((n, 3)), np.empty((n, 3))
+    total, of_speed, grown = np.full(n, np.inf), np.zeros(n), np.zeros(n, dtype=np.int64)
+    fine = len(accelerations) > 3  # three accelerations have none between gentle and hard
+    for k in range(n):
+        v, _, allowed, stops = ahead[k]
+        if allowed == 0.0:
+            continue
+        terms[k, 2] = velocity_potential(v, wanted)
+        harsh = max(0.0, wanted - v - HARSH_FROM) if fine else 0.0
+        of_speed[k] = weights[2] * (terms[k, 2] + HARSHNESS * harsh)
+        if stops > 0.0:
+            total[k] = of_speed[k] + (_HARDER if v < lowest - 1e-6 else 0.0)
+    turn, casts = rates[-1] * period, weights[1] > 0.0 and len(boxes) > 0
+    while True:
+        best = int(np.argmin(total))
+        if total[best] == np.inf:
+            break
+        v, angle = ahead[best, 0], ahead[best, 1]
+        x, y, h = poses[best]
+        if grown[best] == 0:
+            x, y, h = poses[best] = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+            terms[best, 0] = valley_of_command(
+                state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+            )
+            total[best] = weights[0] * terms[best, 0] + of_speed[best] + (_HARDER if v < lowest - 1e-6 else 0.0)
+            grown[best] = 1
+        elif grown[best] == 1 and casts:
+            terms[best, 1] = shadow_sum(
+                x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
+            )
+            total[best] += weights[1] * terms[best, 1]
+            grown[best] = 2
+        elif braking_collides(
+            x, y, h, v, angle, limits[0], limits[1], limits[2], limits[3], limits[7], boxes, period, COLLISION_HORIZON_S,
+            COLLISION_STEP_S,
+        ):  # fmt: skip
+            total[best] = np.inf
+        else:
+            verdict = EMERGENCY if v < lowest - 1e-6 else ADMISSIBLE
+            return best, verdict, terms[best, 0], terms[best, 1], terms[best, 2], x, y, h, v, angle
+    hardest = int(np.argmin(accelerations))
+    fallback, least = -1, np.inf
+    for k in range(hardest * len(rates), (hardest + 1) * len(rates)):
+        v, angle, allowed, _ = ahead[k]
+        if allowed == 0.0:
+            continue
+        pose = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+        terms[k, 0] = valley_of_command(
+            state, pose, v, angle, turn, limits, period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+        )
+        if terms[k, 0] < least:
+            fallback, least = k, terms[k, 0]
+    if fallback < 0:
+        fallback = hardest * len(rates) + int(np.argmin(np.abs(rates)))
+        terms[fallback] = 0.0
+    v, angle = ahead[fallback, 0], ahead[fallback, 1]
+    x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+    return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2], x, y, h, v, angle

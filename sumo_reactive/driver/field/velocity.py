@@ -1,0 +1,60 @@
+"""U₃, velocity: the desired speed v_d that time constraint, road, stop and leaders leave (F&L 1991, §3.3.3)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.compilation import kernel
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def velocity_potential(speed: float, desired_speed: float) -> float:
+    """U₃ = |v − v_d|, m/s (F&L 1991, §3.3.3)."""
+    return abs(speed - desired_speed)
+
+
+def cruise_speed(speed: float, distance: float, time_left: float, top_speed: float, acceleration: float) -> float:
+    """Cruising speed of the accelerate–cruise profile that covers `distance` d₂ (m) in `time_left` (s).
+
+    The last phase, decelerate, is in the speed limits along C and in the stop. `top_speed` when the time is too short.
+    (F&L 1991, §3.3.3.)
+    """
+    if distance <= 0.0 or time_left <= 0.0:
+        return top_speed
+    mean = distance / time_left
+    if mean <= speed:
+        return min(top_speed, mean)
+    # distance = c·T − (c − v)² / (2a), solved for the smaller cruising speed c
+    b = speed + acceleration * time_left
+    root = b * b - speed * speed - 2.0 * acceleration * distance
+    return top_speed if root <= 0.0 else min(top_speed, b - math.sqrt(root))
+
+
+@kernel
+def carried_out(
+    curvature: Array, step: float, s: float, d: float, error: float, speed: float, deceleration: float, lateral: float
+) -> float:
+    """Return how far (m) from C a car is carried that brakes with `deceleration` (m/s²) and turns as tightly as `lateral`
+    acceleration (m/s²) allows, until it heads along C again or is slow enough to follow it.
+
+    It is at arc length `s` and `d` m to the left of C, whose `curvature` (n,), 1/m, is known every `step` m, drives at
+    `speed` (m/s) and heads `error` rad to the left of C. Being carried to where it comes back to C does not count.
+    """
+    squared, away, farthest = speed * speed, d, 0.0
+    for k in range(max(int(s / step), 0), len(curvature)):
+        turn = lateral / max(squared, 1.0) * step
+        error -= curvature[k] * step
+        held = abs(error) <= turn
+        error = 0.0 if held else error - math.copysign(turn, error)
+        away += math.sin(error) * step
+        if away * error > 0.0:
+            farthest = max(farthest, abs(away))
+        squared -= 2.0 * deceleration * step
+        if squared <= 1.0:
+            break
+    return farthest

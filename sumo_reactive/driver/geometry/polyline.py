@@ -1,0 +1,170 @@
+"""Polylines measured by arc length."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.compilation import kernel
+
+Points = NDArray[np.float64]
+
+
+BEYOND = 1e6
+"""So many times its length a segment may be prolonged: without end."""
+
+
+@dataclass(frozen=True, eq=False)
+class Polyline:
+    """An open chain of straight segments; `points` has shape (n, 2), n ≥ 2, in m."""
+
+    points: Points
+
+    def __post_init__(self) -> None:
+        if self.points.ndim != 2 or self.points.shape[1] != 2 or len(self.points) < 2:
+            raise ValueError(f"a polyline needs points of shape (n ≥ 2, 2), got {self.points.shape}")
+
+    @cached_property
+    def arc_lengths(self) -> NDArray[np.float64]:
+        """Arc length at each point, shape (n,), m, starting at 0."""
+        steps = np.hypot(*np.diff(self.points, axis=0).T)
+        return np.concatenate(([0.0], np.cumsum(steps)))
+
+    @property
+    def length(self) -> float:
+        """Total arc length, m."""
+        return float(self.arc_lengths[-1])
+
+    def at(self, s: float) -> tuple[float, float]:
+        """Return the point (x, y) at arc length `s`, clamped to the ends."""
+        return (
+            float(np.interp(s, self.arc_lengths, self.points[:, 0])),
+            float(np.interp(s, self.arc_lengths, self.points[:, 1])),
+        )
+
+    def heading_at(self, s: float) -> float:
+        """Return the direction of travel (rad) of the segment that holds arc length `s`."""
+        last = len(self.points) - 2
+        i = int(np.clip(np.searchsorted(self.arc_lengths, s, side="right") - 1, 0, last))
+        while i > 0 and self.arc_lengths[i + 1] == self.arc_lengths[i]:
+            i -= 1
+        dx, dy = self.points[i + 1] - self.points[i]
+        return math.atan2(dy, dx)
+
+    def project(self, x: float, y: float) -> tuple[float, float]:
+        """Return (s, d) of the closest point: arc length and signed distance, left positive, m."""
+        return _closest(np.ascontiguousarray(self.points), self.arc_lengths, x, y, 0.0)
+
+    def arc_lengths_at(self, places: Points) -> NDArray[np.float64]:
+        """Return the arc length (n,), m, of the closest point to each of `places` (n, 2), m."""
+        return self._closest_to(places, 0.0)[0]
+
+    def offsets(self, places: Points) -> NDArray[np.float64]:
+        """Return how far left of the polyline, prolonged straight at its ends, each of `places` (n, 2) is, (n,), m."""
+        return self._closest_to(places, BEYOND)[1]
+
+    def _closest_to(self, places: Points, beyond: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return _closest_to_each(np.ascontiguousarray(self.points), self.arc_lengths, np.ascontiguousarray(places), beyond)
+
+    def sampled(self, step: float) -> NDArray[np.float64]:
+        """Return x, y (m) and heading (rad, unwrapped) every `step` m up to the first sample beyond the end, (n ≥ 2, 3)."""
+        return _sampled(np.ascontiguousarray(self.points), self.arc_lengths, step)
+
+
+@kernel
+def _closest(
+    points: Points, arc_lengths: NDArray[np.float64], x: float, y: float, beyond: float
+) -> tuple[float, float]:
+    """Return (s, d) as `Polyline.project` does, for its `points` (n, 2) and `arc_lengths` (n,), m.
+
+    First and last segment are prolonged by `beyond` times their length.
+    """
+    last = len(points) - 2
+    best, s, d = math.inf, 0.0, 0.0
+    for i in range(last + 1):
+        ex, ey = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
+        px, py = x - points[i, 0], y - points[i, 1]
+        squared = max(ex * ex + ey * ey, 1e-12)
+        low, high = -beyond if i == 0 else 0.0, 1.0 + beyond if i == last else 1.0
+        t = min(max((px * ex + py * ey) / squared, low), high)
+        dx, dy = px - t * ex, py - t * ey
+        away = dx * dx + dy * dy
+        if away < best:
+            best = away
+            s = arc_lengths[i] + t * math.sqrt(squared)
+            d = math.copysign(math.sqrt(away), ex * dy - ey * dx)
+    return s, d
+
+
+@kernel
+def _closest_to_each(
+    points: Points, arc_lengths: NDArray[np.float64], places: Points, beyond: float
+) -> tuple[Points, Points]:
+    s, d = np.empty(len(places)), np.empty(len(places))
+    for k in range(len(places)):
+        s[k], d[k] = _closest(points, arc_lengths, places[k, 0], places[k, 1], beyond)
+    return s, d
+
+
+@kernel
+def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    last = len(points) - 1
+    n = max(math.ceil((arc_lengths[last] + step) / step - 1e-9), 2)
+    out = np.empty((n, 3))
+    i = 0
+    for k in range(n):
+        s = min(k * step, arc_lengths[last])
+        while i < last - 1 and arc_lengths[i + 1] < s:
+            i += 1
+        t = (s - arc_lengths[i]) / max(arc_lengths[i + 1] - arc_lengths[i], 1e-12)
+        out[k, 0] = points[i, 0] + t * (points[i + 1, 0] - points[i, 0])
+        out[k, 1] = points[i, 1] + t * (points[i + 1, 1] - points[i, 1])
+    for k in range(n):
+        a, b = max(k - 1, 0), min(k + 1, n - 1)
+        heading = math.atan2(out[b, 1] - out[a, 1], out[b, 0] - out[a, 0])
+        if k > 0:
+            heading -= 2.0 * math.pi * math.floor((heading - out[k - 1, 2]) / (2.0 * math.pi) + 0.5)
+        out[k, 2] = heading
+    return out
+
+
+def eased(share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return 10t³ − 15t⁴ + 6t⁵: from 0 to 1 with no slope and no bend at either end, for `share` t in [0, 1]."""
+    return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+
+
+def moved_aside(line: Points, lateral: NDArray[np.float64]) -> Points:
+    """Return `line` (n, 2) moved to its left by `lateral` (n,), m."""
+    along = np.gradient(line, axis=0)
+    along /= np.maximum(np.hypot(*along.T), 1e-9)[:, None]
+    return np.asarray(line + lateral[:, None] * np.column_stack([-along[:, 1], along[:, 0]]))
+
+
+def joined(parts: list[Points]) -> Points:
+    """Chain point arrays into one, dropping a repeated point where two parts meet."""
+    kept = [parts[0]]
+    for part in parts[1:]:
+        meets = np.hypot(*(part[0] - kept[-1][-1])) < 1e-3
+        kept.append(part[1:] if meets and len(part) > 1 else part)
+    return np.vstack(kept)
+
+
+def cut(line: Polyline, start: float, end: float) -> Points:
+    """Return the part of `line` between two arc lengths, shape (n ≥ 2, 2), prolonged straight where they lie outside."""
+    arc, points = line.arc_lengths, line.points
+    inner = points[(arc > start + 1e-6) & (arc < end - 1e-6)]
+    return np.vstack([_point(line, start), inner, _point(line, end)])
+
+
+def _point(line: Polyline, s: float) -> Points:
+    """Return the point (2,) at arc length `s`, straight on beyond the ends."""
+    outside = s - min(max(s, 0.0), line.length)
+    point = np.array(line.at(s))
+    if outside == 0.0:
+        return point
+    heading = line.heading_at(s)
+    return np.asarray(point + outside * np.array([np.cos(heading), np.sin(heading)]))

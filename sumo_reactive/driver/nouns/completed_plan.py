@@ -1,0 +1,114 @@
+"""The completed plan P⁺ = P with adjusted time constraints and a symbolic instruction (F&L 1991, §1.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, RegionState, StopAt
+from sumo_reactive.driver.nouns.event import Event
+from sumo_reactive.driver.nouns.plan import Aside, Move, NominalPlan, TimeConstraint
+
+
+class Intent(Enum):
+    """What a standing or creeping ego tells the others: it drives, it yields, or it goes next."""
+
+    DRIVE = "drive"
+    YIELD = "yield"
+    GO_NEXT = "go next"
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Weights w₁, w₂, w₃ of U = w₁U₁ + w₂U₂ + w₃U₃ (per m, dimensionless, per m/s)."""
+
+    valley: float
+    shadow: float
+    velocity: float
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityProfile:
+    """Accelerate–cruise–decelerate over d₂ (F&L 1991, §3.3.3), as shares of the vehicle's comfortable values.
+
+    `headway`: share of the driver's time headway that is kept to leaders; `top_speed` (m/s) is not exceeded.
+    """
+
+    acceleration: float = 1.0
+    deceleration: float = 1.0
+    headway: float = 1.0
+    top_speed: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """What an instruction changes in the executor: the weights of U and the way v_d is set (F&L 1991, §3.2)."""
+
+    weights: Weights
+    profile: VelocityProfile = VelocityProfile()
+    wide_grid: bool = False
+
+
+class Replanning(Enum):
+    """What the pilot asks of the planner."""
+
+    NOTHING = "nothing"
+    CURVE = "a curve from where the ego is"
+    ROUTE = "another way to the goal, for a turn is missed"
+    TIMES = "time constraints that recover the delay"
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the pilot asks of the planner, once. A new curve begins a lane change (`change_lane` +1 left, −1 right, 0 none)
+    or leads `aside`, its places in m of the present C, or begins on lane `onto` that the car has turned into, its edge at
+    `route_index`."""
+
+    what: Replanning = Replanning.NOTHING
+    change_lane: int = 0
+    aside: Aside | None = None
+    onto: str = ""
+    route_index: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class CompletedPlan:
+    """P⁺: what the executor tracks until the pilot says otherwise.
+
+    `time_constraints` are the adjusted (l, t_l) ahead; `stop` the nearest place to stop at; `slot` the vehicle on the
+    other lane to fall in behind, which bounds the desired speed but no safety; `sight` (m) asks perception to look so far
+    ahead along the oncoming lane. `events` activated the pilot, `assessment` is what it foresaw, `regions` the conflict
+    regions on the way: all as of its last activation. `move`: the arc to drive instead of C, in a turn in several moves.
+    """
+
+    plan: NominalPlan
+    behaviour: Behaviour
+    instruction: Instruction
+    tuning: Tuning
+    time_constraints: tuple[TimeConstraint, ...]
+    stop: StopAt | None
+    intent: Intent
+    decisions: tuple[Decision, ...]
+    slot: str = ""
+    request: Request = Request()
+    sight: float = 0.0
+    assessment: Assessment = NOT_ASSESSED
+    events: tuple[Event, ...] = ()
+    regions: tuple[RegionState, ...] = ()
+    move: Move | None = None
+
+    def held(self) -> CompletedPlan:
+        """Return the plan as it stays in force until the next event: what it asked for once is not asked again."""
+        return replace(self, request=Request(), events=())
+
+    @property
+    def awaits_plan(self) -> bool:
+        """Whether it asks for another curve or route, which the trip plans when the simulation step is over."""
+        return self.request.what in (Replanning.CURVE, Replanning.ROUTE)
+
+    def after(self, before: CompletedPlan) -> CompletedPlan:
+        """Return the plan with the events and the request for a curve or route of the one `before` it in the same step."""
+        request = before.request if before.awaits_plan else self.request
+        return replace(self, request=request, events=(*before.events, *self.events))

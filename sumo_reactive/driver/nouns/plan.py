@@ -1,0 +1,200 @@
+"""The nominal plan P and the completed plan P⁺ (F&L 1991, §1.3).
+
+Every arc length `s` is measured along the curve C from its first sample, in m, and says where a point of the road lies;
+the front axle follows C, the front bumper is ahead of it by the front overhang.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import eased
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.parameters import MOVE_END_M, STANDING_SPEED, WHEELS_TURNED_RAD
+from sumo_reactive.driver.world.route import ScheduledStop
+
+
+@dataclass(frozen=True, slots=True)
+class TimeConstraint:
+    """Reach arc length `s` at `time` (s of simulation time)."""
+
+    s: float
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class LaneSegment:
+    """C follows lane `lane_id` (normal or internal) from `start` to `end`; `lane_offset` is the spine arc length there.
+
+    A point of the lane at spine arc length p lies at s = start + (p − lane_offset) · stretch; `stretch` (metres of C per
+    metre of spine) differs from 1 where C cuts or rounds a corner.
+    """
+
+    lane_id: str
+    start: float
+    end: float
+    lane_offset: float
+    route_index: int
+    stretch: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """C passes a junction by connection `connection_id`: stop line at `start`, the connection's end at `end`.
+
+    `start` is negative when C begins inside the junction.
+    """
+
+    connection_id: str
+    junction_id: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class LaneChange:
+    """A change from lane to lane that the route needs.
+
+    `side` is +1 to the left, −1 to the right. It may begin at once (`opens`) and must have begun by `start`, where C makes
+    it, ending at `end`, shortly before the old lane does.
+    """
+
+    from_lane: str
+    to_lane: str
+    side: int
+    opens: float
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class WayBeside:
+    """From `from_lane` of C, where C changes no lane, the route can as well be driven by `to_lane` beside it, on `side` (+1
+    left, −1 right), with no change back on this road.
+
+    `cost`: that of the change, and of the later ones that it adds or saves, in lane changes.
+    """
+
+    from_lane: str
+    to_lane: str
+    side: int
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStop:
+    """A scheduled halt on C: the front bumper at `s`."""
+
+    s: float
+    stop: ScheduledStop
+
+
+@dataclass(frozen=True, slots=True)
+class Aside:
+    """C runs `lateral` m beside the lane's centre (left positive) to pass `user_id`; from arc length `back` (m) on it
+    returns, and at `until` it has."""
+
+    user_id: str
+    lateral: float
+    back: float
+    until: float
+
+
+def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return how far (n,), m, C runs beside the lane's centre at arc lengths `s` (n,): a quintic leads it back."""
+    t = np.clip((s - aside.back) / max(aside.until - aside.back, 0.1), 0.0, 1.0)
+    return np.asarray(aside.lateral * (1.0 - eased(t)))
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """An arc of a turn in several moves: forwards (`gear` 1) or backwards (−1), wheels at `steering_angle` (rad), which
+    turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad). After the last one C leads on."""
+
+    gear: int
+    steering_angle: float
+    bend: float
+    until: float
+    is_last: bool = False
+
+    def left(self, heading: float) -> float:
+        """Return the way left of the arc, m, at the car's `heading` (rad); negative where it has turned too far."""
+        return self.gear * wrapped(self.until - heading) / self.bend
+
+    def is_over(self, ego: VehicleState) -> bool:
+        """Whether the car stands at the end, after the last move with its wheels straight."""
+        is_there = self.left(ego.pose.heading) < MOVE_END_M and abs(ego.speed) < STANDING_SPEED
+        return is_there and (not self.is_last or abs(ego.steering_angle) < WHEELS_TURNED_RAD)
+
+
+@dataclass(frozen=True, slots=True)
+class Turnaround:
+    """C leads back beside the way it came, too tightly for the car: it turns in several `moves`, the first from a stand with
+    its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, whose edges are the
+    route's at `from_index` and `route_index`, `into` m past `end`, and take about `duration` s."""
+
+    start: float
+    line: float
+    end: float
+    from_lane: str
+    from_index: int
+    to_lane: str
+    route_index: int
+    moves: tuple[Move, ...]
+    duration: float
+    into: float
+
+    @property
+    def pace(self) -> float:
+        """The speed along C that takes as long as the moves, m/s."""
+        return (self.end - self.line) / self.duration
+
+
+@dataclass(frozen=True, eq=False)
+class NominalPlan:
+    """P = (C, {(l, t_l)}) with what the map says along C.
+
+    `speed_limits` (n,) is the envelope of lane limits, curvature and deceleration at each sample of C, m/s. `goal` is the
+    arc length where the front bumper has arrived, or None when the plan ends before the route does. `times` (n,) is when
+    the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
+    planned. `aside`: C leaves the lane's centre to pass somebody. `missed`: C begins a new route, since the turn to this
+    edge was missed (empty: it does not). `ways_beside`: other lanes that do as well, by route index.
+    `turnarounds`: where the car turns in several moves.
+    """
+
+    curve: Curve
+    segments: tuple[LaneSegment, ...]
+    passages: tuple[Passage, ...]
+    lane_changes: tuple[LaneChange, ...]
+    stops: tuple[PlannedStop, ...]
+    speed_limits: NDArray[np.float64]
+    time_constraints: tuple[TimeConstraint, ...]
+    goal: float | None
+    times: NDArray[np.float64]
+    joins: float = 0.0
+    aside: Aside | None = None
+    missed: str = ""
+    ways_beside: Mapping[int, tuple[WayBeside, ...]] = field(default_factory=dict)
+    turnarounds: tuple[Turnaround, ...] = ()
+
+    def delay(self, s: float, time: float) -> float:
+        """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""
+        samples = min(max(s / self.curve.step, 0.0), len(self.times) - 1.0)
+        i = min(int(samples), len(self.times) - 2)
+        here, ahead = self.times.item(i), self.times.item(i + 1)
+        return time - here - (samples - i) * (ahead - here)
+
+    def nominal_speed(self, s: float) -> float:
+        """The speed on schedule with the front axle at arc length `s`, m/s."""
+        i = min(max(int(s / self.curve.step), 0), len(self.times) - 2)
+        return self.curve.step / max(self.times.item(i + 1) - self.times.item(i), 1e-3)
+
+    def road_speed(self, s: float) -> float:
+        """The highest speed that road and curve allow with the front axle at arc length `s`, m/s."""
+        return self.speed_limits.item(min(max(int(s / self.curve.step), 0), len(self.speed_limits) - 1))

@@ -1,0 +1,106 @@
+"""The local world as the pilot and the executor see it: the others, related to C and to the regions on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.regions import ConflictRegion
+
+
+class PathObstacle(NamedTuple):
+    """A road user whose body reaches into the corridor along C.
+
+    `start`, `end`: the stretch of C that it blocks (m); `along`, `across`: its velocity along C and to the left (m/s).
+    """
+
+    user: RoadUser
+    start: float
+    end: float
+    along: float
+    across: float
+
+
+class Conflict(NamedTuple):
+    """One conflict region on the way, and who goes first there.
+
+    `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first.
+    """
+
+    region: ConflictRegion
+    other: Connection
+    must_yield: bool
+    is_yielded_to: bool
+
+
+class Foe(NamedTuple):
+    """A road user that can reach a conflict region on passage `passage` of the plan.
+
+    `to_stop_line`, `to_region`, `to_clear`: its front's way (m) to its stop line, to the region, and until its rear has
+    left the region; negative when behind it.
+    """
+
+    user: RoadUser
+    passage: int
+    conflict: Conflict
+    to_stop_line: float
+    to_region: float
+    to_clear: float
+
+
+class Neighbour(NamedTuple):
+    """A vehicle on the lane that the next lane change leads to, or that the body will cut into; `ahead` is its front minus
+    the ego's front (m)."""
+
+    user: RoadUser
+    ahead: float
+
+
+class Cut(NamedTuple):
+    """The body covers lane `lane_id`, beside its own, with the front axle from `start` to `end` of C (m)."""
+
+    start: float
+    end: float
+    left: bool
+    lane_id: str
+
+
+class Leader(NamedTuple):
+    """A body to stay behind: its rear at arc length `s` of C (m), `speed` along C (m/s), hardest braking (m/s²)."""
+
+    user_id: str
+    s: float
+    speed: float
+    deceleration: float
+
+
+class Snapshot(NamedTuple):
+    """The ego and its surroundings at `time`.
+
+    `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 8): x, y, heading, speed, length,
+    width, turn rate (rad/s), way left on the road (m) of every user near (front bumper centre). `static` (k, 2): points of
+    O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: none while the pilot's decision rests on
+    none. `lights`: letters by light id. `passages`: indices of the plan's passages in sight. `cut`: the next place, on a
+    road, where the body will cover the lane beside; `neighbours` are then those on that lane.
+    """
+
+    time: float
+    ego: VehicleState
+    s: float
+    d: float
+    front: float
+    boxes: NDArray[np.float64]
+    static: NDArray[np.float64]
+    on_path: tuple[PathObstacle, ...]
+    leaders: tuple[Leader, ...]
+    foes: tuple[Foe, ...]
+    neighbours: tuple[Neighbour, ...]
+    lights: Mapping[str, str]
+    passages: tuple[int, ...] = ()
+    cut: Cut | None = None

@@ -1,0 +1,199 @@
+"""Which lanes a route can be driven on, and at what cost: dynamic programming from the route's end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.opposite import separation
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route, ScheduledStop
+from sumo_reactive.errors import PlanError
+
+MIN_ROOM_M = 0.1
+
+
+class Outlook(NamedTuple):
+    """What lies ahead on the cheapest way to the route's end: `cost` (inf: no way) and number of lane `changes`."""
+
+    cost: float
+    changes: int
+
+
+BLOCKED = Outlook(math.inf, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """An edge of the route, or its part up to a scheduled stop; `start`, `end` in position metres.
+
+    `required` is the lane index to hold at `end`, None when every lane that leads on will do. `left_hand`: traffic
+    drives on the left, so that lane 0 is the leftmost.
+    """
+
+    route_index: int
+    lanes: tuple[Lane, ...]
+    start: float
+    end: float
+    required: int | None = None
+    stop: ScheduledStop | None = None
+    left_hand: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class LaneChoice:
+    """The route's stages with two outlooks per lane: `onward` without a change in the stage, `best` with changes."""
+
+    graph: RoadGraph
+    vehicle_class: str
+    stages: tuple[Stage, ...]
+    onward: tuple[tuple[Outlook, ...], ...]
+    best: tuple[tuple[Outlook, ...], ...]
+
+    def stage_at(self, route_index: int, position: float = 0.0) -> int:
+        """Return the number of the stage that holds `position` (m) of edge `route_index`."""
+        found = [n for n, stage in enumerate(self.stages) if stage.route_index == route_index]
+        if not found:
+            raise PlanError(f"the route has no edge number {route_index}")
+        return next((n for n in found if position < self.stages[n].end), found[-1])
+
+    def outlook(self, route_index: int, lane_index: int, position: float = 0.0) -> Outlook:
+        """Return cost and number of changes to the route's end from a lane of edge `route_index`."""
+        lanes = self.best[self.stage_at(route_index, position)]
+        return lanes[lane_index] if 0 <= lane_index < len(lanes) else BLOCKED
+
+    def connections(self, number: int, lane_index: int) -> list[Connection]:
+        """Return the connections that leave stage `number` by a lane along the route, the best first."""
+        stage, following = self.stages[number], self.stages[number + 1]
+        found = route_connections(self.graph, stage.lanes[lane_index], following.lanes, self.vehicle_class)
+        outlooks = self.best[number + 1]
+
+        def rank(connection: Connection) -> tuple[float, int]:
+            target = self.graph.lanes[connection.to_lane]
+            from_outer = target.index - lane_index
+            from_inner = from_outer + len(stage.lanes) - len(following.lanes)
+            return round(outlooks[target.index].cost, 6), min(abs(from_outer), abs(from_inner))
+
+        return sorted((c for c in found if rank(c)[0] < math.inf), key=rank)
+
+
+def choose_lanes(graph: RoadGraph, route: Route, vehicle_class: str) -> LaneChoice:
+    """Return the outlook of every lane of the route; PlanError when the network lacks an edge or a stop lies off it."""
+    stages = tuple(_stages(graph, route))
+    onward: list[tuple[Outlook, ...]] = []
+    best: list[tuple[Outlook, ...]] = []
+    for number in reversed(range(len(stages))):
+        stage = stages[number]
+        following = None if number + 1 == len(stages) else stages[number + 1]
+        leads = _onward(graph, vehicle_class, stage, following, best[-1] if best else ())
+        onward.append(leads)
+        best.append(tuple(_best(stage, k, leads, vehicle_class) for k in range(len(stage.lanes))))
+    return LaneChoice(graph, vehicle_class, stages, tuple(reversed(onward)), tuple(reversed(best)))
+
+
+def options(
+    stage: Stage, lane_index: int, onward: tuple[Outlook, ...], room: float, vehicle_class: str
+) -> Iterator[tuple[int, Outlook]]:
+    """Yield (lane to leave by, outlook) for all lanes that changes within `room` (m) reach, the own lane first."""
+    yield lane_index, onward[lane_index]
+    for step in (1, -1):
+        k = lane_index
+        while 0 <= k + step < len(stage.lanes):
+            if not may_change(stage.lanes[k], stage.lanes[k + step], vehicle_class, stage.left_hand):
+                break
+            k += step
+            changes = abs(k - lane_index)
+            cost = onward[k].cost + changes * _change_cost(stage.lanes[k], room / changes)
+            yield k, Outlook(cost, onward[k].changes + changes)
+
+
+def may_change(lane: Lane, neighbour: Lane, vehicle_class: str, left_hand: bool) -> bool:
+    """Whether a vehicle of the class may change from `lane` to the lane beside it.
+
+    Lane indices grow to the left, and in left-hand traffic to the right.
+    """
+    to_left = (neighbour.index > lane.index) != left_hand
+    permitted = lane.allows_change_left(vehicle_class) if to_left else lane.allows_change_right(vehicle_class)
+    return permitted and neighbour.allows(vehicle_class)
+
+
+def route_connections(graph: RoadGraph, lane: Lane, targets: tuple[Lane, ...], vehicle_class: str) -> list[Connection]:
+    """Return the connections from `lane` to any of `targets` that the class may drive."""
+    edge_id = targets[0].edge_id
+    found = []
+    for connection in graph.outgoing.get(lane.id, ()):
+        target = graph.lanes.get(connection.to_lane)
+        if target is None or connection.is_crossing or target.edge_id != edge_id or not target.allows(vehicle_class):
+            continue
+        if all(graph.lanes[part].allows(vehicle_class) for part in connection.parts):
+            found.append(connection)
+    return found
+
+
+def _best(stage: Stage, lane_index: int, onward: tuple[Outlook, ...], vehicle_class: str) -> Outlook:
+    """Return the outlook of a lane at the stage's start, with the changes that it may need there."""
+    if not stage.lanes[lane_index].allows(vehicle_class):
+        return BLOCKED
+    return min(outlook for _, outlook in options(stage, lane_index, onward, stage.end - stage.start, vehicle_class))
+
+
+def _change_cost(lane: Lane, room: float) -> float:
+    """Cost of one change with `room` m: 1, and more where the room is short of what the lane's speed needs."""
+    needed = max(LANE_CHANGE_ROOM_M, lane.speed_limit * LANE_CHANGE_DURATION_S)
+    return max(1.0, needed / max(room, MIN_ROOM_M))
+
+
+def _onward(
+    graph: RoadGraph, vehicle_class: str, stage: Stage, following: Stage | None, ahead: tuple[Outlook, ...]
+) -> tuple[Outlook, ...]:
+    """Return the outlook of each lane of `stage` when the car leaves the stage on that lane."""
+
+    def leave(k: int, lane: Lane) -> Outlook:
+        if stage.required not in (None, k):
+            return BLOCKED
+        if following is None:
+            return Outlook(0.0, 0)
+        if following.route_index == stage.route_index:
+            return ahead[k]
+        ways = route_connections(graph, lane, following.lanes, vehicle_class)
+        return min((ahead[graph.lanes[c.to_lane].index] for c in ways), default=BLOCKED)
+
+    def dear(outlook: Outlook, lane: Lane) -> Outlook:
+        return outlook._replace(cost=outlook.cost + SHARED_LANE_COST) if is_shared(graph, lane) else outlook
+
+    return tuple(dear(leave(k, lane), lane) for k, lane in enumerate(stage.lanes))
+
+
+@kept(8192)
+def is_shared(graph: RoadGraph, lane: Lane) -> bool:
+    """Whether the map draws an oncoming lane over `lane`: cars of both directions would stand before each other there."""
+    oncoming = graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ())
+    return any(separation(lane, other) < -SHARED_OVERLAP_M for other in oncoming[-1:])
+
+
+def _stages(graph: RoadGraph, route: Route) -> Iterator[Stage]:
+    """Yield the stages of the route in driving order, cut at its stops."""
+    pending = list(route.stops)
+    for i, edge_id in enumerate(route.edges):
+        lanes = graph.edge_lanes.get(edge_id)
+        if not lanes:
+            raise PlanError(f"route edge '{edge_id}' is not in the network")
+        start = 0.0
+        index = {lane.id: lane.index for lane in lanes}
+        while pending and pending[0].lane_id in index and pending[0].position >= start:
+            stop = pending.pop(0)
+            yield Stage(i, lanes, start, stop.position, index[stop.lane_id], stop, graph.left_hand)
+            start = stop.position
+        if i + 1 < len(route.edges):
+            yield Stage(i, lanes, start, lanes[0].length, left_hand=graph.left_hand)
+            continue
+        arrival = lanes[0].length if route.arrival_position is None else route.arrival_position
+        yield Stage(i, lanes, start, max(arrival, start), route.arrival_lane, left_hand=graph.left_hand)
+    if pending:
+        raise PlanError(f"scheduled stop on lane '{pending[0].lane_id}' at {pending[0].position:.1f} m is not on the route")

@@ -1,0 +1,260 @@
+"""The planner: route and start in, nominal plan P = (C, {(l, t_l)}) out (F&L 1991, §1.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
+from sumo_reactive.driver.nouns.state import Pose
+from sumo_reactive.driver.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
+from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, may_change
+from sumo_reactive.driver.path.lane_path import lane_path
+from sumo_reactive.driver.path.reference import Piece, Reference
+from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
+from sumo_reactive.driver.path.trajectory import Trajectory, lane_limits, trajectory
+from sumo_reactive.driver.path.turnaround import leads_back, road_around, turn_in_moves
+from sumo_reactive.driver.path.ways_beside import ways_beside
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route
+from sumo_reactive.errors import PlanError
+
+LATE_M = 0.3
+"""A car past the place where a turn in several moves begins by more than this turns in one sweep."""
+
+PROJECTION_REACH_M = 15.0
+"""The front axle is looked for this far around its stated lane position."""
+
+
+@dataclass(frozen=True)
+class PlanStart:
+    """Where a plan begins: rear-axle `pose`, `speed` (m/s), `steering_angle` (rad), `time` (s), place on the network.
+
+    `lane_position` is the front bumper's, in spine metres of `lane_id` (normal or internal). `route_index` is the edge
+    that the car is on, or has just left when it is inside a junction. `speed_factor` scales lane limits.
+    """
+
+    pose: Pose
+    speed: float
+    steering_angle: float
+    time: float
+    lane_id: str
+    lane_position: float
+    route_index: int
+    speed_factor: float = 1.0
+
+    def front_axle(self, wheelbase: float) -> tuple[float, float, float]:
+        """Return place (m, m) of the front axle and direction (rad) of its motion (F&L 1991, §3.1)."""
+        x = self.pose.x + wheelbase * math.cos(self.pose.heading)
+        y = self.pose.y + wheelbase * math.sin(self.pose.heading)
+        return x, y, self.pose.heading + self.steering_angle
+
+
+@dataclass(frozen=True, eq=False)
+class LeftLane:
+    """The lane that a change now leaves to `side`, and the front axle's spine arc length on it, m."""
+
+    lane: Lane
+    side: int
+    offset: float
+
+
+def plan(
+    graph: RoadGraph,
+    route: Route,
+    vehicle_class: str,
+    limits: VehicleLimits,
+    start: PlanStart,
+    *,
+    change_now: int = 0,
+    aside: Aside | None = None,
+    choice: LaneChoice | None = None,
+) -> NominalPlan:
+    """Return the nominal plan from `start` along `route`, at most PLAN_HORIZON_M ahead.
+
+    `change_now` (+1 left, −1 right) begins the change to that neighbour lane at the car's pose; `aside` leads beside the
+    lane's centre, its places counted from the front axle. `choice` saves the route's lane outlooks from an earlier call.
+    PlanError names the edges that no lane sequence connects.
+    """
+    choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
+    reference, left = _reference(choice, route, limits, start, change_now)
+    reference.cut_at(PLAN_HORIZON_M)
+    turns = _turns(reference, route, limits, vehicle_class)
+    front, stretches = start.front_axle(limits.wheelbase), [(turn.start, turn.end) for turn in turns]
+    course = trajectory(reference, front, start.speed, start.speed_factor, limits, aside, start.steering_angle, stretches)
+    nominal = _on_curve(reference, course, limits, start, left, aside, turns)
+    return replace(nominal, ways_beside=ways_beside(choice, nominal.segments))
+
+
+def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str) -> list[Turnaround]:
+    """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
+    found = []
+    for connection, began, ended in reference.passages:
+        if not leads_back(reference.graph, connection.id):
+            continue
+        before = _index_of(reference, began)
+        around = road_around(reference.graph, connection.id, route.edges, before, limits)
+        turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class, around)
+        if turn is None or began - turn.before - STOP_LINE_MARGIN_M <= limits.front_overhang - LATE_M:
+            continue
+        start = began - turn.before
+        own = _piece_at(reference, start)
+        if not own.lane.is_internal:
+            index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, before)
+            lanes = own.lane.id, own.route_index, connection.to_lane, index
+            found.append(Turnaround(start, began, ended, *lanes, turn.moves, turn.duration, turn.into))
+    return found
+
+
+def _index_of(reference: Reference, u: float) -> int:
+    """Return the index in the route of the edge at reference arc length `u`, m, or of the one before a junction there."""
+    return _piece_at(reference, u).route_index
+
+
+def _piece_at(reference: Reference, u: float) -> Piece:
+    return [piece for piece in reference.pieces if piece.u <= u][-1]
+
+
+def _reference(
+    choice: LaneChoice, route: Route, limits: VehicleLimits, start: PlanStart, change_now: int
+) -> tuple[Reference, LeftLane | None]:
+    """Return the joined centre line from the front axle on, and the lane that a change now leaves."""
+    reference = Reference(choice.graph)
+    lane = choice.graph.lanes.get(start.lane_id)
+    if lane is None:
+        raise PlanError(f"start lane '{start.lane_id}' is not in the network")
+    if lane.is_internal:
+        connection = choice.graph.connection_of[lane.id]
+        following = choice.graph.lanes[connection.to_lane]
+        index = _index_behind(route, following.edge_id, start.route_index)
+        at = _axle_on(connection.path, _part_start(choice.graph, lane.id), limits, start)
+        reference.pass_junction(connection, start.route_index, at, at)
+        _drive_on(reference, choice, choice.stage_at(index), following, 0.0, 0.0)
+        return reference, None
+    if route.edges[start.route_index] != lane.edge_id:
+        raise PlanError(f"start lane '{lane.id}' is not on edge {start.route_index} of the route")
+    driven = _neighbour(choice, lane, change_now) if change_now else lane
+    at = _axle_on(driven.spine, 0.0, limits, start)
+    number = choice.stage_at(start.route_index, start.lane_position / lane.scale)
+    _drive_on(reference, choice, number, driven, at, at / driven.scale)
+    return reference, LeftLane(lane, change_now, _axle_on(lane.spine, 0.0, limits, start)) if change_now else None
+
+
+def _drive_on(reference: Reference, choice: LaneChoice, number: int, lane: Lane, at: float, position: float) -> None:
+    """Append the way from spine arc length `at` of `lane` in stage `number` to the goal or the horizon."""
+    for step in lane_path(choice, number, lane.index, position):
+        joins, at = reference.drive(step, at), 0.0
+        if reference.length > PLAN_HORIZON_M:
+            return
+        if step.connection is not None:
+            at = reference.pass_junction(step.connection, step.stage.route_index, joins)
+        elif step.stage is choice.stages[-1]:
+            last = step.lanes[-1]
+            reference.finish(last, min(step.stage.end * last.scale, last.spine.length))
+        else:
+            at = step.stage.end * step.lanes[-1].scale
+
+
+def _on_curve(
+    reference: Reference,
+    course: Trajectory,
+    limits: VehicleLimits,
+    start: PlanStart,
+    left: LeftLane | None,
+    aside: Aside | None,
+    turns: list[Turnaround],
+) -> NominalPlan:
+    """Return the plan: the reference's places carried over to C, its speeds and times."""
+    curve, s = course.curve, course.s
+    arc = CURVE_STEP_M * np.arange(len(curve.x), dtype=np.float64)
+    pace = lane_limits(reference.pieces, course.reference_at(arc), start.speed_factor)
+    turnarounds = tuple(replace(turn, start=s(turn.start), line=s(turn.line), end=s(turn.end)) for turn in turns)
+    for turn in turnarounds:
+        pace[(turn.line < arc) & (arc < turn.end)] = turn.pace
+    envelope = speed_envelope(curve, pace, limits)
+    passages = tuple(Passage(c.id, c.junction_id, s(a), s(b)) for c, a, b in reference.passages)
+    stops = tuple(PlannedStop(s(u), stop) for stop, u in reference.stops)
+    goal = None if reference.goal is None else s(reference.goal)
+    places = [p for passage in passages for p in (passage.start, passage.end)] + ([] if goal is None else [goal])
+    now = start.time, start.speed
+    constraints, times = time_constraints(curve.step, envelope, places, stops, limits, now)
+    return NominalPlan(
+        curve=curve,
+        segments=_segments(reference, course, left),
+        passages=passages,
+        lane_changes=_lane_changes(reference, course, left),
+        stops=stops,
+        speed_limits=envelope,
+        time_constraints=constraints,
+        goal=goal,
+        times=times,
+        joins=course.blend_end,
+        aside=None if aside is None else replace(aside, back=s(aside.back), until=s(aside.until)),
+        turnarounds=turnarounds,
+    )
+
+
+def _segments(reference: Reference, course: Trajectory, left: LeftLane | None) -> tuple[LaneSegment, ...]:
+    """Return the stretches of C on each lane; a change now drives on the old lane up to its middle."""
+    places = [piece.u for piece in reference.pieces] + [float(course.reference_arc[-1])]
+    segments = []
+    for piece, u, behind in zip(reference.pieces, places, places[1:], strict=False):
+        start, end = course.s(u), course.s(behind)
+        stretch = (end - start) / (behind - u) if behind - u > CURVE_STEP_M else 1.0
+        segments.append(LaneSegment(piece.lane.id, start, end, piece.lane_offset, piece.route_index, stretch))
+    if left is None:
+        return tuple(segments)
+    new, *rest = segments
+    middle = min(0.5 * course.blend_end, new.end)
+    entered = replace(new, start=middle, lane_offset=new.lane_offset + middle / new.stretch)
+    return LaneSegment(left.lane.id, 0.0, middle, left.offset, new.route_index, new.stretch), entered, *rest
+
+
+def _lane_changes(reference: Reference, course: Trajectory, left: LeftLane | None) -> tuple[LaneChange, ...]:
+    """Return the lane changes on C, the one made now first."""
+    s, found = course.s, []
+    if left is not None:
+        entered = reference.pieces[0].lane.id
+        found.append(LaneChange(left.lane.id, entered, left.side, 0.0, 0.0, course.blend_end))
+    for change in reference.changes:
+        places = s(change.opens), s(change.start), s(change.end)
+        found.append(LaneChange(change.from_lane.id, change.to_lane.id, change.side, *places))
+    return tuple(found)
+
+
+def _neighbour(choice: LaneChoice, lane: Lane, side: int) -> Lane:
+    """Return the lane to the left (+1) or right (−1) that the car may change to; PlanError when there is none."""
+    lanes = choice.graph.edge_lanes[lane.edge_id]
+    index = lane.index + (-side if choice.graph.left_hand else side)
+    beside = lanes[index] if 0 <= index < len(lanes) else None
+    if beside is None or not may_change(lane, beside, choice.vehicle_class, choice.graph.left_hand):
+        raise PlanError(f"lane '{lane.id}' has no lane on side {side:+d} to change to")
+    return beside
+
+
+def _axle_on(line: Polyline, before: float, limits: VehicleLimits, start: PlanStart) -> float:
+    """Return the front axle's arc length on `line`, where the start lane begins at `before`; it may be negative."""
+    expected = before + start.lane_position - limits.front_overhang
+    x, y, _ = start.front_axle(limits.wheelbase)
+    found = line.project(x, y)[0]
+    inside = 0.0 < found < line.length and abs(found - expected) < PROJECTION_REACH_M
+    return found if inside else min(expected, line.length)
+
+
+def _part_start(graph: RoadGraph, lane_id: str) -> float:
+    """Return the arc length on its connection's path where internal lane `lane_id` begins."""
+    parts = graph.connection_of[lane_id].parts
+    return sum(graph.lanes[part].spine.length for part in parts[: parts.index(lane_id)])
+
+
+def _index_behind(route: Route, edge_id: str, route_index: int) -> int:
+    """Return the route index of the edge behind the junction that the car is in."""
+    for index in (route_index + 1, route_index):
+        if index < len(route.edges) and route.edges[index] == edge_id:
+            return index
+    raise PlanError(f"the junction before edge '{edge_id}' is not on edge {route_index} of the route")

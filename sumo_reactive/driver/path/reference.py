@@ -1,0 +1,182 @@
+"""The centre line of the lanes to drive, joined, with what lies where along it: C before it is smoothed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased
+from sumo_reactive.driver.parameters import CURVE_RUNOUT_M, CURVE_STEP_M, LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
+from sumo_reactive.driver.path.lane_path import LaneStep
+from sumo_reactive.driver.path.overrun import overrun_of
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import ScheduledStop
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """The reference follows `lane` from its arc length `u` on; `lane_offset` is the spine arc length there, m."""
+
+    lane: Lane
+    route_index: int
+    u: float
+    lane_offset: float
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A lane change between reference arc lengths `start` and `end`, m, possible from `opens` on."""
+
+    from_lane: Lane
+    to_lane: Lane
+    side: int
+    opens: float
+    start: float
+    end: float
+
+
+@dataclass(eq=False)
+class Reference:
+    """The joined centre line while it grows; every place is an arc length on it, m.
+
+    `points` are chunks of shape (n, 2). `stage_starts` holds the arc length where each lane step began.
+    """
+
+    graph: RoadGraph
+    length: float = 0.0
+    points: list[Points] = field(default_factory=list)
+    pieces: list[Piece] = field(default_factory=list)
+    passages: list[tuple[Connection, float, float]] = field(default_factory=list)
+    changes: list[Change] = field(default_factory=list)
+    stops: list[tuple[ScheduledStop, float]] = field(default_factory=list)
+    stage_starts: list[float] = field(default_factory=list)
+    goal: float | None = None
+
+    def follow(self, lane: Lane, route_index: int, start: float, end: float) -> None:
+        """Append the spine of `lane` from arc length `start` (may be negative: straight on backwards) to `end`."""
+        last = self.pieces[-1] if self.pieces else None
+        if last is None or last.lane is not lane:
+            self.pieces.append(Piece(lane, route_index, self.length, start))
+        if end > start:
+            self._append(cut(lane.spine, start, end))
+
+    def pass_junction(
+        self, connection: Connection, route_index: int, start: float = 0.0, driven: float = 0.0
+    ) -> float:
+        """Append a connection's internal lanes, from arc length `start` (m) of its path on; return where the line goes on on
+        the lane behind them, m. The car has `driven` so many metres of the path already."""
+        began = self.length - driven
+        before = 0.0
+        for part in connection.parts:
+            lane = self.graph.lanes[part]
+            if start < before + lane.spine.length:
+                self.follow(lane, route_index, start if before == 0.0 else max(start - before, 0.0), lane.spine.length)
+            before += lane.spine.length
+        if not connection.parts and start < connection.path.length:
+            self._append(cut(connection.path, start, connection.path.length))
+        self.passages.append((connection, began, self.length))
+        return max(start - connection.path.length, 0.0)
+
+    def drive(self, step: LaneStep, start: float) -> float:
+        """Append a lane step from spine arc length `start` of its first lane, with its lane changes; return from which arc
+        length on the line then follows the path of its connection, m."""
+        self.stage_starts.append(self.length)
+        lane, at = step.lanes[0], start
+        end = _end_on(lane, step)
+        for number, following in enumerate(step.lanes[1:]):
+            left = len(step.lanes) - 1 - number
+            at = self._change(step, lane, following, at, min(end, _beside(lane, following)), left)
+            lane, end = following, _end_on(following, step)
+        overrun = None if step.connection is None else overrun_of(self.graph, step.connection.id)
+        if overrun is not None and at < overrun.leaves:
+            self.follow(lane, step.stage.route_index, at, overrun.leaves)
+            return overrun.joins
+        self.follow(lane, step.stage.route_index, at, end)
+        place = self.length + (step.stage.end * lane.scale - max(at, end))
+        if step.stage.stop is not None:
+            self.stops.append((step.stage.stop, place))
+        return 0.0
+
+    def finish(self, lane: Lane, arrival: float) -> None:
+        """Set the goal at spine arc length `arrival` of the last `lane` and run out behind it."""
+        self.goal = self.length
+        rest = min(lane.spine.length - arrival, CURVE_RUNOUT_M)
+        if rest > 0.0:
+            self._append(cut(lane.spine, arrival, arrival + rest))
+        self.run_out(CURVE_RUNOUT_M - max(rest, 0.0) + CURVE_STEP_M)
+
+    def run_out(self, length: float) -> None:
+        """Prolong the line straight by `length` m."""
+        chain = self.points[-1]
+        way = chain[-1] - chain[-2]
+        self._append(np.vstack([chain[-1], chain[-1] + way / max(float(np.hypot(*way)), 1e-9) * length]))
+
+    def cut_at(self, horizon: float) -> None:
+        """Forget what lies beyond arc length `horizon`, m, unless the goal does not."""
+        if self.goal is not None and self.goal <= horizon:
+            return
+        self.goal = None
+        self.pieces = [piece for piece in self.pieces if piece.u < horizon]
+        self.passages = [passage for passage in self.passages if passage[1] < horizon]
+        self.changes = [change for change in self.changes if change.end <= horizon]
+        self.stops = [stop for stop in self.stops if stop[1] <= horizon]
+
+    def _change(self, step: LaneStep, lane: Lane, following: Lane, at: float, end: float, left: int) -> float:
+        """Append the way along `lane` and the change to `following`; return the arc length reached on the latter."""
+        index = step.stage.route_index
+        room = max(end - LANE_CHANGE_CLEARANCE_M - at, 2.0 * CURVE_STEP_M)
+        length = min(LATE_LANE_CHANGE_LENGTH_M, room / left)
+        begin = at + room - left * length
+        self.follow(lane, index, at, begin)
+        start = self.length
+        old = resampled(cut(lane.spine, begin, begin + length))
+        feet, new = project_all(following.spine, old)
+        share = np.linspace(0.0, 1.0, len(old))[:, None]
+        line = old + (new - old) * eased(share)
+        half = len(line) // 2
+        self._append(line[: half + 1])
+        self.pieces.append(Piece(following, index, self.length, float(feet[half])))
+        self._append(line[half:])
+        first = len(step.lanes) - 1 == left
+        opens = self.stage_starts[-1 - min(step.opens, len(self.stage_starts) - 1)] if first else self.changes[-1].end
+        side = following.index - lane.index
+        side = -side if self.graph.left_hand else side
+        self.changes.append(Change(lane, following, side, opens, start, self.length))
+        return float(feet[-1])
+
+    def _append(self, chunk: Points) -> None:
+        gap = chunk[0] - self.points[-1][-1] if self.points else np.zeros(2)
+        self.length += float(np.hypot(*gap)) + float(np.hypot(*np.diff(chunk, axis=0).T).sum())
+        self.points.append(chunk)
+
+
+def project_all(line: Polyline, points: Points) -> tuple[Points, Points]:
+    """Return (arc lengths (n,), feet (n, 2)) of the closest points of `line` to `points` (n, 2)."""
+    a, way = line.points[:-1], np.diff(line.points, axis=0)
+    squared = np.maximum((way**2).sum(axis=1), 1e-12)
+    t = np.clip(((points[:, None, :] - a) * way).sum(axis=2) / squared, 0.0, 1.0)
+    feet = a + t[..., None] * way
+    nearest = np.argmin(((points[:, None, :] - feet) ** 2).sum(axis=2), axis=1)
+    rows = np.arange(len(points))
+    return line.arc_lengths[nearest] + t[rows, nearest] * np.sqrt(squared[nearest]), feet[rows, nearest]
+
+
+def resampled(points: Points) -> Points:
+    """Return `points` at even arc length, about CURVE_STEP_M apart, ends kept, at least five of them."""
+    line = Polyline(points)
+    s = np.linspace(0.0, line.length, max(int(line.length / CURVE_STEP_M) + 1, 5))
+    return np.column_stack([np.interp(s, line.arc_lengths, points[:, k]) for k in (0, 1)])
+
+
+def _end_on(lane: Lane, step: LaneStep) -> float:
+    """Return the spine arc length of `lane` where the step ends."""
+    whole = step.connection is not None
+    return lane.spine.length if whole else min(step.stage.end * lane.scale, lane.spine.length)
+
+
+def _beside(lane: Lane, following: Lane) -> float:
+    """Return the spine arc length of `lane` up to which `following` runs beside it."""
+    return float(lane.spine.project(*following.spine.at(following.spine.length))[0])

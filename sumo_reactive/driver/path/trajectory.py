@@ -1,0 +1,211 @@
+"""The smooth curve C: the reference met from the car's pose, smoothed, sampled at even arc length (F&L 1991, §1.3)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, moved_aside
+from sumo_reactive.driver.nouns.plan import Aside, lateral_of
+from sumo_reactive.driver.parameters import (
+    CURVE_STEP_M,
+    MAX_START_BLEND_M,
+    MAX_SWING_OUT_M,
+    MIN_START_BLEND_M,
+    MIN_STEP_LATERAL,
+    PLAN_HORIZON_M,
+)
+from sumo_reactive.driver.path.centring import centred
+from sumo_reactive.driver.path.reference import Piece, Reference
+from sumo_reactive.driver.path.smoothing import curvature_of, smoothed
+from sumo_reactive.driver.path.turning import turnable
+from sumo_reactive.driver.path.waiting import clear_of_waiting
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.side_step import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
+
+Floats = NDArray[np.float64]
+
+FOOT_REACH_M = 2.5
+"""A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
+
+MIN_STRETCH = 0.05
+"""Least metres of C per metre of reference: inside a bend about a point of the line its places keep their order."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """C with places known by both arc lengths, on the reference and on C (m,), and where the start transition ends."""
+
+    curve: Curve
+    reference_arc: Floats
+    arc: Floats
+    blend_end: float
+
+    def s(self, u: float) -> float:
+        """Return the arc length on C of reference arc length `u`, m."""
+        return u if u < 0.0 else float(np.interp(u, self.reference_arc, self.arc))
+
+    def reference_at(self, s: Floats) -> Floats:
+        """Return the reference arc lengths at arc lengths `s` on C, m."""
+        return np.asarray(np.interp(s, self.arc, self.reference_arc))
+
+
+def trajectory(
+    reference: Reference,
+    front: tuple[float, float, float],
+    speed: float,
+    speed_factor: float,
+    limits: VehicleLimits,
+    aside: Aside | None = None,
+    steering_angle: float = 0.0,
+    in_moves: Sequence[tuple[float, float]] = (),
+) -> Trajectory:
+    """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference.
+
+    `aside` leads it beside the reference for a while. `steering_angle` (rad) is the car's at the start. `in_moves`: from
+    where to where (m of the reference) the car turns in moves, so that C need not be steered.
+    """
+    centre = _centre_line(reference)
+    u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
+    line = _points_at(centre, u)
+    if aside is not None:
+        line = moved_aside(line, lateral_of(aside, u))
+    start = reference.pieces[0].lane.width
+    lanes, _ = _met_from(line, front, speed, start, limits)
+    left_hand = reference.graph.left_hand
+    half_widths = _half_widths(reference.pieces, u)
+    line = clear_of_waiting(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
+    line, blend = _met_from(line, front, speed, start, limits)
+    pace = lane_limits(reference.pieces, u, speed_factor)
+    comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
+    fitted = smoothed(line, CURVE_STEP_M, comfort)
+    kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
+    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand, kept)
+    curve, arc = _even(fitted)
+    places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
+    feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
+    return Trajectory(curve, places, feet, float(np.interp(blend, places, feet)))
+
+
+def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
+    """Return the lanes' speed limit times `speed_factor` (n,), m/s, at reference arc lengths `u` (n,)."""
+    starts = np.array([piece.u for piece in pieces])
+    index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
+    return np.asarray(np.array([piece.lane.speed_limit for piece in pieces])[index] * speed_factor)
+
+
+def _half_widths(pieces: list[Piece], u: Floats) -> Floats:
+    """Return half the lanes' width (n,), m, at reference arc lengths `u` (n,)."""
+    index = np.clip(np.searchsorted([piece.u for piece in pieces], u, side="right") - 1, 0, None)
+    return np.asarray(np.array([0.5 * piece.lane.width for piece in pieces])[index])
+
+
+def _centre_line(reference: Reference) -> Polyline:
+    """Return the reference as one line, up to the horizon unless it ends at the goal."""
+    line = Polyline(np.vstack(reference.points))
+    if reference.goal is not None or line.length <= PLAN_HORIZON_M:
+        return line
+    return Polyline(cut(line, 0.0, PLAN_HORIZON_M))
+
+
+def _points_at(line: Polyline, u: Floats) -> Points:
+    """Return the points (n, 2) of `line` at arc lengths `u` (n,), m."""
+    return np.column_stack([np.interp(u, line.arc_lengths, line.points[:, k]) for k in (0, 1)])
+
+
+def _met_from(
+    line: Points, front: tuple[float, float, float], speed: float, width: float, limits: VehicleLimits
+) -> tuple[Points, float]:
+    """Return `line` bent at its start to begin at `front` in its direction, and the length of the transition, m.
+
+    A quintic takes the offset and the difference of direction to zero.
+    """
+    x, y, heading = front
+    ahead = line[1] - line[0]
+    direction = math.atan2(ahead[1], ahead[0])
+    offset = np.array([x, y]) - line[0]
+    turn = np.array([math.cos(heading), math.sin(heading)]) - ahead / max(float(np.hypot(*ahead)), 1e-9)
+    error = wrapped(heading - direction)
+    away = float(np.hypot(*offset))
+    length = max(side_step_length(away, abs(error), speed, width, limits), _length_in_bend(line, away, speed, limits))
+    aside = float(ahead[0] * offset[1] - ahead[1] * offset[0]) / max(float(np.hypot(*ahead)), 1e-9)
+    length = min(length, (len(line) - 1) * CURVE_STEP_M)
+    turning = _turning_length(length, aside, error, speed, width, limits)
+    at = (np.arange(len(line)) * CURVE_STEP_M)[:, None]
+    back, turned = (np.minimum(at / reach, 1.0) for reach in (length, turning))
+    return line + offset * (1.0 - eased(back)) + turn * turning * _led_out(turned), length
+
+
+def _led_out(t: Floats) -> Floats:
+    """Return how far aside (n,), in lengths, a quintic of unit length leads at `t` (n,) from slope 1 to slope 0."""
+    return np.asarray(t - t**3 * (6.0 - 8.0 * t + 3.0 * t**2))
+
+
+def _turning_length(
+    length: float, aside: float, error: float, speed: float, width: float, limits: VehicleLimits
+) -> float:
+    """Return the length (m) in which a car `aside` m to the left of its line takes out its heading `error` (rad, left).
+
+    It is that of the whole transition, `length`, unless this would lead the car out of its lane, `width` m wide, or farther
+    out than it is: then it turns sooner, as tightly as it can.
+    """
+    t = np.linspace(0.0, 1.0, 41)
+    held = max(0.5 * (width - limits.width), abs(aside) + MAX_SWING_OUT_M)
+    most = min(limits.max_curvature, limits.max_lateral_acceleration / max(speed, 1.0) ** 2)
+    shortest = max(QUINTIC_TURN_CURVATURE * abs(error) / most, MIN_START_BLEND_M)
+    back, turning = aside * (1.0 - eased(t)), length
+    while turning > shortest:
+        led = back + error * turning * _led_out(np.minimum(t * length / turning, 1.0))
+        if float(np.abs(led).max()) <= held:
+            return turning
+        turning = max(0.9 * turning, shortest)
+    return turning
+
+
+def _length_in_bend(line: Points, offset: float, speed: float, limits: VehicleLimits) -> float:
+    """Return the length (m) of a step of `offset` m to the side that adds no more lateral acceleration at `speed` (m/s) than
+    the bend of `line` leaves of the comfortable one."""
+    reach = line[: int(MAX_START_BLEND_M / CURVE_STEP_M)]
+    along = np.diff(reach, axis=0)
+    turned = abs(wrapped(math.atan2(along[-1, 1], along[-1, 0]) - math.atan2(along[0, 1], along[0, 0])))
+    bend = speed * speed * turned / (len(reach) * CURVE_STEP_M)
+    left = max(limits.comfort_lateral_acceleration - bend, MIN_STEP_LATERAL)
+    return min(speed * math.sqrt(QUINTIC_STEP_CURVATURE * offset / left), MAX_START_BLEND_M)
+
+
+def _feet(points: Points, u: Floats, curve: Curve, guess: Floats) -> Floats:
+    """Return the arc lengths (n,), m, where the `points` (n, 2) at `u` (n,) project on C near `guess`, increasing.
+
+    Smoothing moves samples along the line too: into a turn that it shortens, by up to 0.3 m on either side.
+    """
+    samples = np.column_stack([curve.x, curve.y])
+    reach = int(FOOT_REACH_M / curve.step)
+    k = np.clip((guess / curve.step).astype(int)[:, None] + np.arange(-reach, reach + 1), 0, len(samples) - 2)
+    way, off = samples[k + 1] - samples[k], points[:, None, :] - samples[k]
+    share = np.clip((off * way).sum(axis=2) / np.maximum((way**2).sum(axis=2), 1e-12), 0.0, 1.0)
+    nearest = np.argmin(((off - share[..., None] * way) ** 2).sum(axis=2), axis=1)
+    rows, least = np.arange(len(points)), MIN_STRETCH * u
+    found = curve.step * (k[rows, nearest] + share[rows, nearest])
+    return np.asarray(np.minimum(np.maximum.accumulate(found - least) + least, curve.length))
+
+
+def _even(points: Points) -> tuple[Curve, Floats]:
+    """Return the curve through `points` (n, 2) at even arc length, and the arc length (n,) of each point on it."""
+    chord = np.concatenate(([0.0], np.cumsum(np.maximum(np.hypot(*np.diff(points, axis=0).T), 1e-6))))
+    spline = CubicSpline(chord, points)
+    middle = 0.5 * (chord[1:] + chord[:-1])
+    pace = (np.hypot(*spline(chord, 1).T), np.hypot(*spline(middle, 1).T))
+    steps = np.diff(chord) * (pace[0][:-1] + 4.0 * pace[1] + pace[0][1:]) / 6.0
+    arc = np.concatenate(([0.0], np.cumsum(steps)))
+    at = np.interp(np.arange(int(arc[-1] / CURVE_STEP_M) + 1) * CURVE_STEP_M, arc, chord)
+    (x, y), (dx, dy), (ddx, ddy) = spline(at).T, spline(at, 1).T, spline(at, 2).T
+    heading = np.unwrap(np.arctan2(dy, dx))
+    curvature = (dx * ddy - dy * ddx) / np.maximum(np.hypot(dx, dy) ** 3, 1e-9)
+    return Curve(np.ascontiguousarray(x), np.ascontiguousarray(y), heading, curvature, CURVE_STEP_M), arc

@@ -1,0 +1,328 @@
+"""Turning round where the road is too narrow for one sweep: forwards and backwards by turns, wheels at full lock."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.nouns.plan import Move
+from sumo_reactive.driver.parameters import (
+    CURVE_STEP_M,
+    MOVE_CHANGE_S,
+    MOVE_SPEED,
+    STEERING_MARGIN,
+    STOP_LINE_MARGIN_M,
+    TURNAROUND_LEAD_M,
+    TURNAROUNDS_KEPT,
+)
+from sumo_reactive.driver.path.reference import Reference
+from sumo_reactive.driver.path.trajectory import trajectory
+from sumo_reactive.driver.path.turning import U_TURN_RAD, steering_along
+from sumo_reactive.driver.vehicle.bicycle import advance_pose
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+Floats = NDArray[np.float64]
+
+STEP_M = 0.15
+"""Poses on an arc are looked at this far apart."""
+LONGEST = 90
+"""Most poses of an arc, that is 13.5 m: half a circle of a car."""
+SWEEP_SPEED = 3.0
+"""m/s; how fast a tight turn is approached when its sweep is tried."""
+ATTEMPTS = ((3, 0.0, 0.0), (3, 1.0, 0.0), (5, 0.0, 0.0), (7, 1.0, 0.0), (7, 1.0, 0.6))
+"""Most moves; how far the middles of the bumpers may leave the road, as a share of half the car's width without SPARE_M; and
+how much farther the rear one, m. The wheels stay on it, and three moves are preferred to five."""
+SPARE_M = 0.25
+"""A front that leaves the road by half the car's width is off it; a turn stays clear of that by this much."""
+BEGINNINGS_M = (1.0, 2.5, 4.0, 6.0)
+"""How far before the end of its lane the turn may begin: SUMO maps a stand-in nearer to it to the lane behind."""
+SHARES = (1.0, 0.6)
+"""A move ends where the road does, or after so much of that way."""
+LOCKS = (1.0, 0.8, 0.6, 0.4)
+"""Shares of the full lock with which the last move may be driven."""
+INTO_LANE_M = 0.4
+"""The front axle ends the turn this near to the middle of its lane."""
+MOST_TRIED = 500
+"""Moves that are tried until a turn is given up."""
+STUB_LENGTHS = 2.0
+"""A road shorter than so many lengths of the car is too short to turn round on it alone."""
+SAME_M, SAME_RAD = 0.4, 0.08
+"""Poses that differ by less are one."""
+
+
+class Turn(NamedTuple):
+    """A turn in `moves` from a stand with the front bumper `before` m before the end of the lane; it takes `duration` s and
+    ends with the front `into` m along the lane behind."""
+
+    before: float
+    moves: tuple[Move, ...]
+    duration: float
+    into: float
+
+
+class Around(NamedTuple):
+    """The lanes that the route takes before and behind a connection that leads back, in driving order."""
+
+    before: tuple[str, ...] = ()
+    behind: tuple[str, ...] = ()
+
+
+NOTHING_AROUND = Around()
+
+
+class _Pose(NamedTuple):
+    """Place of the rear axle (m, m) and heading (rad)."""
+
+    x: float
+    y: float
+    heading: float
+
+
+def ground_of(lanes: Sequence[Lane], x: float, y: float) -> Floats:
+    """Return the road that `lanes` cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to (x, y) with half their
+    width, (k, 5), m."""
+    chains = [lane.spine.points for lane in lanes]
+    half = np.concatenate([np.full(len(c) - 1, 0.5 * lane.width) for c, lane in zip(chains, lanes, strict=True)])
+    ground = np.column_stack((np.vstack([c[:-1] for c in chains]), np.vstack([c[1:] for c in chains]), half))
+    near = [_beyond(segment[None], x, y) < TURNAROUND_LEAD_M for segment in ground]
+    return ground[near]
+
+
+@kernel
+def _beyond(ground: Floats, x: float, y: float) -> float:
+    """Return how far off the `ground` (k, 5) a place is, m; negative on it."""
+    least = math.inf
+    for k in range(len(ground)):
+        wx, wy = ground[k, 2] - ground[k, 0], ground[k, 3] - ground[k, 1]
+        ox, oy = x - ground[k, 0], y - ground[k, 1]
+        share = min(max((ox * wx + oy * wy) / max(wx * wx + wy * wy, 1e-9), 0.0), 1.0)
+        least = min(least, math.hypot(ox - share * wx, oy - share * wy) - ground[k, 4])
+    return least
+
+
+@kernel
+def _arc(
+    x: float, y: float, heading: float, gear: int, angle: float, wheelbase: float, ahead: float, behind: float,
+    ground: Floats, front_beyond: float, rear_beyond: float,
+) -> Floats:  # fmt: skip
+    """Return the poses (n, 3), STEP_M apart, that follow with the wheels at `angle` (rad) as long as the bumpers, `ahead`
+    and `behind` m from the rear axle, leave the `ground` (k, 5) by no more than is allowed (m)."""
+    found = np.empty((LONGEST, 3))
+    for k in range(LONGEST):
+        px, py, ph = advance_pose(x, y, heading, gear * STEP_M * (k + 1), angle, wheelbase, 1.0)
+        c, s = math.cos(ph), math.sin(ph)
+        if _beyond(ground, px + ahead * c, py + ahead * s) > front_beyond:
+            return found[:k]
+        if _beyond(ground, px - behind * c, py - behind * s) > rear_beyond:
+            return found[:k]
+        found[k] = px, py, ph
+    return found
+
+
+class _Task(NamedTuple):
+    """Where to turn: on what ground (k, 5), how far beyond it with front and rear (m), into what lane, up to which heading
+    (rad), to which side (1: left)."""
+
+    ground: Floats
+    beyond: tuple[float, float]
+    lane: Polyline
+    until: float
+    side: int
+    limits: VehicleLimits
+
+    def arc(self, pose: _Pose, gear: int, angle: float) -> Floats:
+        """Return the poses (n, 3) that follow `pose` in `gear` with the wheels at `angle`, as long as they are allowed."""
+        own = self.limits
+        return _arc(*pose, gear, angle, own.wheelbase, own.front_to_rear_axle, own.rear_overhang, self.ground, *self.beyond)
+
+    def move(self, gear: int, angle: float, until: float, *, is_last: bool = False) -> Move:
+        """Return the move in `gear` with the wheels at `angle` up to heading `until`."""
+        return Move(gear, angle, math.sin(angle) / self.limits.wheelbase, until, is_last)
+
+    def turned(self, arc: Floats) -> int:
+        """Return how many of an arc's poses it takes to turn to the end; too many, where they do not."""
+        return int(np.searchsorted(self.side * arc[:, 2], self.side * self.until)) + 1
+
+    def ends_in_lane(self, pose: _Pose) -> bool:
+        """Whether the front axle is in the lane to turn into."""
+        reach = self.limits.wheelbase
+        x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
+        return bool(abs(self.lane.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
+
+    def front_along(self, pose: _Pose) -> float:
+        """Return how far along the lane to turn into the front bumper is, m; it may be past its end."""
+        (x, y), reach = self.lane.at(0.0), self.limits.front_to_rear_axle
+        dx, dy = pose.x + reach * math.cos(pose.heading) - x, pose.y + reach * math.sin(pose.heading) - y
+        return dx * math.cos(self.until) + dy * math.sin(self.until)
+
+
+@kept(TURNAROUNDS_KEPT)
+def leads_back(graph: RoadGraph, connection_id: str) -> bool:
+    """Whether a connection leads back beside the way it comes from."""
+    connection = graph.connections[connection_id]
+    return abs(_turned(graph.lanes[connection.from_lane], connection, graph.lanes[connection.to_lane])) >= U_TURN_RAD
+
+
+def road_around(
+    graph: RoadGraph, connection_id: str, edges: Sequence[str], index: int, limits: VehicleLimits
+) -> Around:
+    """Return what a route over `edges` takes before and behind a connection from `edges[index]`, where the roads that it
+    joins are too short to turn round on: as far as nobody is yielded to and no light waited for in between."""
+    own = graph.connections[connection_id]
+    before = _lanes_on(graph, own.from_lane, edges[:index][::-1], -1, limits)
+    return Around(before[::-1], _lanes_on(graph, own.to_lane, edges[index + 2 :], 1, limits))
+
+
+def _lanes_on(
+    graph: RoadGraph, lane_id: str, edges: Sequence[str], step: int, limits: VehicleLimits
+) -> tuple[str, ...]:
+    """Return the lanes over `edges` that follow on a lane (`step` 1) or come before it (−1), as far as needed to turn."""
+    found, reach = list[str](), graph.lanes[lane_id].spine.length
+    for edge_id in edges:
+        ways = (graph.outgoing if step > 0 else graph.incoming).get(lane_id, ())
+        onward = _joining(graph, ways, edge_id, step) if reach < STUB_LENGTHS * limits.length else None
+        if onward is None:
+            break
+        lane_id = onward.to_lane if step > 0 else onward.from_lane
+        found += (*onward.parts[::step], lane_id)
+        reach += graph.lanes[lane_id].spine.length
+    return tuple(found)
+
+
+def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: int) -> Connection | None:
+    """Return the one of `ways` that leads to (`step` 1) or comes from (−1) an edge, if who takes it goes first there."""
+    for way in ways:
+        lane = graph.lanes.get(way.to_lane if step > 0 else way.from_lane)
+        if lane is not None and lane.edge_id == edge_id and way.light is None:
+            rule, regions = graph.junctions[way.junction_id].right_of_way, graph.regions.get(way.id, ())
+            if not any(rule.must_yield(way.index, graph.connections[region.other_id].index) for region in regions):
+                return way
+    return None
+
+
+@kept(TURNAROUNDS_KEPT)
+def turn_in_moves(
+    graph: RoadGraph,
+    connection_id: str,
+    limits: VehicleLimits,
+    vehicle_class: str = "passenger",
+    around: Around = NOTHING_AROUND,
+) -> Turn | None:
+    """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
+
+    As few moves as possible, and if it can be with the middles of its bumpers on the road, to which the lanes `around`
+    belong. On a stub it may begin on a lane before it.
+    """
+    connection = graph.connections[connection_id]
+    own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
+    turned = _turned(own, connection, behind)
+    inside = [graph.lanes[name] for name in (*connection.parts, *around.before, *around.behind)]
+    before, exits = (
+        [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
+    )
+    if not leads_back(graph, connection_id) or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
+        return None
+    approach = Polyline(np.vstack([*(graph.lanes[name].spine.points for name in around.before), own.spine.points]))
+    ground, side = ground_of([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
+    start = own.spine.heading_at(own.spine.length)
+    for most, share, more in ATTEMPTS:
+        aside = share * max(0.5 * limits.width - SPARE_M, 0.0)
+        task = _Task(ground, (aside, aside + more), behind.spine, start + turned, side, limits)
+        found = _searched(task, _beginnings(approach, connection.hold_back, limits), most)
+        if found is not None:
+            return found
+    return None
+
+
+def _turned(own: Lane, connection: Connection, behind: Lane) -> float:
+    """Return by how much the way from one lane to another turns, rad."""
+    ways = np.diff(connection.path.points, axis=0)
+    ends = own.spine.heading_at(own.spine.length), behind.spine.heading_at(0.0)
+    headings = np.unwrap([ends[0], *np.arctan2(ways[:, 1], ways[:, 0]), ends[1]])
+    return float(headings[-1] - headings[0])
+
+
+def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, lanes: list[Lane]) -> bool:
+    """Whether the car turns on a connection in one sweep, the middle of its front bumper not off the road."""
+    own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
+    reference = Reference(graph)
+    reference.follow(own, 0, own.spine.length - TURNAROUND_LEAD_M, own.spine.length)
+    reference.pass_junction(connection, 0)
+    reference.follow(behind, 0, 0.0, min(TURNAROUND_LEAD_M, behind.spine.length))
+    reference.run_out(TURNAROUND_LEAD_M)
+    first, second = reference.points[0][:2]
+    front = float(first[0]), float(first[1]), math.atan2(second[1] - first[1], second[0] - first[0])
+    curve = trajectory(reference, front, SWEEP_SPEED, 1.0, limits).curve
+    along = curve.heading - steering_along(curve.heading, np.full(len(curve.x), curve.step), limits.wheelbase, 0.0)
+    reach = limits.front_overhang
+    bumper = np.column_stack((curve.x + reach * np.cos(along), curve.y + reach * np.sin(along)))
+    near = int(TURNAROUND_LEAD_M / CURVE_STEP_M)
+    ground = ground_of(lanes, *own.spine.at(own.spine.length))
+    return all(_beyond(ground, x, y) < 0.5 * limits.width for x, y in bumper[near // 2 : len(bumper) - near].tolist())
+
+
+def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, _Pose]]:
+    """Return where the turn may begin: the bumper's way to the end of the lane (m), and the pose there."""
+    found = []
+    for more in BEGINNINGS_M:
+        before = hold_back + more
+        if before < spine.length:
+            place = spine.length - before - STOP_LINE_MARGIN_M
+            (x, y), heading = spine.at(place), spine.heading_at(place)
+            reach = limits.front_to_rear_axle
+            found.append((before, _Pose(x - reach * math.cos(heading), y - reach * math.sin(heading), heading)))
+    return found
+
+
+def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> Turn | None:
+    """Return the turn with the fewest moves, at most `most`, among those the shortest; best first, equal poses once."""
+    lock, number = task.side * STEERING_MARGIN * task.limits.max_steering_angle, itertools.count()
+    queue: list[tuple[int, float, int, float, _Pose, tuple[Move, ...]]] = []
+    for before, pose in beginnings:
+        heapq.heappush(queue, (0, 0.0, next(number), before, pose, ()))
+    seen: set[tuple[int, ...]] = set()
+    while queue and len(seen) < MOST_TRIED:
+        count, way, _, before, pose, moves = heapq.heappop(queue)
+        gear = -1 if count % 2 else 1
+        place = gear, round(pose.x / SAME_M), round(pose.y / SAME_M), round(pose.heading / SAME_RAD)
+        if place in seen or count >= most:
+            continue
+        seen.add(place)
+        last = _last_move(task, pose, lock) if gear > 0 else None
+        if last is not None:
+            return _turn(before, (*moves, last[0]), way + last[1], task.front_along(last[2]))
+        arc = task.arc(pose, gear, gear * lock)
+        end = min(len(arc), task.turned(arc) - 1)
+        for k in {int(share * end) for share in SHARES}:
+            if k >= 2:
+                after = _Pose(*arc[k - 1].tolist())
+                move = task.move(gear, gear * lock, after.heading)
+                heapq.heappush(queue, (count + 1, way + k * STEP_M, next(number), before, after, (*moves, move)))
+    return None
+
+
+def _last_move(task: _Task, pose: _Pose, lock: float) -> tuple[Move, float, _Pose] | None:
+    """Return the move that ends in the lane, its way, m, and where it ends; None: there is none from `pose`."""
+    for share in LOCKS:
+        arc = task.arc(pose, 1, share * lock)
+        k = task.turned(arc)
+        end = _Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
+        if end is not None and task.ends_in_lane(end):
+            return task.move(1, share * lock, task.until, is_last=True), k * STEP_M, end
+    return None
+
+
+def _turn(before: float, moves: tuple[Move, ...], way: float, into: float) -> Turn:
+    return Turn(before, moves, way / MOVE_SPEED + MOVE_CHANGE_S * len(moves), into)

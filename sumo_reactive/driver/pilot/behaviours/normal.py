@@ -1,0 +1,14 @@
+"""Normal driving: follow C at the speed of the road, behind whoever is ahead (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+
+
+def follow_curve(situation: Situation) -> Instruction:
+    """Follow C; at the end of another behaviour's stop, stop there."""
+    return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.NORMAL, preconditions=(), instruction=follow_curve, postconditions=())

@@ -1,0 +1,171 @@
+"""Overtaking: pass somebody slower, or somebody who stands, where the law and the others leave room (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
+from sumo_reactive.driver.nouns.plan import Aside
+from sumo_reactive.driver.parameters import (
+    FALL_BACK_BY,
+    FOLLOWING_M,
+    FOLLOWING_S,
+    HALTED_AHEAD_S,
+    OFF_CURVE_EPSILON_M,
+    OVERTAKING_SIGHT_M,
+    SETTLED_SPEED,
+    SLOW_SHARE,
+    SLOWER_BY,
+    STANDING_SPEED,
+    UPDATE_ASIDE_M,
+)
+from sumo_reactive.driver.pilot.manoeuvre import UNDER_WAY, in_the_way_back, proof, prove
+from sumo_reactive.driver.pilot.memory import Overtaking
+from sumo_reactive.driver.pilot.passed import Passed, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Proof, Situation
+from sumo_reactive.driver.vehicle.safe_speed import following_speed
+
+
+def follows_x(situation: Situation) -> bool:
+    """M follows X: X is next on C, near, slow against the road, or it has halted."""
+    x = situation.ahead_of_ego
+    if x is None or situation.snapshot.ego.speed < -STANDING_SPEED:
+        return False
+    speed, gap = situation.snapshot.ego.speed, x.start - situation.snapshot.front
+    if x.user.is_halted:
+        return gap < FOLLOWING_M + HALTED_AHEAD_S * speed
+    road = situation.plan.road_speed(situation.snapshot.s)
+    return 0.5 < x.along < min(SLOW_SHARE * road, road - SLOWER_BY) and gap < FOLLOWING_M + FOLLOWING_S * speed
+
+
+def has_settled(situation: Situation) -> bool:
+    """|v − v_d| < k₁, with v_d the speed that following X allows."""
+    x, limits, snapshot = situation.ahead_of_ego, situation.limits, situation.snapshot
+    if x is None:
+        return False
+    gap = x.start - snapshot.front - limits.standstill_gap
+    allowed = following_speed(gap, max(x.along, 0.0), limits.comfort_deceleration, limits.time_headway)
+    wanted = min(allowed, situation.plan.road_speed(snapshot.s))
+    return x.user.is_halted or abs(snapshot.ego.speed - wanted) < SETTLED_SPEED
+
+
+def is_late(situation: Situation) -> bool:
+    """Delay > k₂: the assessment finds the plan degraded, or X will not move at all."""
+    x = situation.ahead_of_ego
+    return situation.assessment.is_late or (x is not None and x.user.is_halted)
+
+
+def is_legal(situation: Situation) -> bool:
+    """There is a lane to pass on, and X is far enough from the next intersection."""
+    x = situation.ahead_of_ego
+    if x is None:
+        return False
+    target = passed(situation, x)
+    lateral, lane = lateral_for(situation, target)
+    return lateral != 0.0 and legal_end(situation, target, lane) > x.end
+
+
+def has_looked(situation: Situation) -> bool:
+    """M has looked far enough along the road, at all who are on it."""
+    return situation.outlook.sight >= OVERTAKING_SIGHT_M
+
+
+def gap_is_proven(situation: Situation) -> bool:
+    """The simulated manoeuvre meets nobody, out, past X and back."""
+    return situation.proof is not None and situation.proof.aside is not None
+
+
+def is_back(situation: Situation) -> bool:
+    """d(M, C) < ε: M is on C again, or never left it; or it has come to a stand behind X."""
+    overtaking = situation.memory.overtaking
+    if overtaking is None or overtaking.instruction is Instruction.OVERTAKE:
+        return overtaking is None
+    snapshot, plan = situation.snapshot, situation.plan
+    joins = max(plan.joins, plan.aside.until if plan.aside else 0.0)
+    stands = overtaking.instruction is Instruction.FALL_BACK and snapshot.ego.speed < STANDING_SPEED
+    return stands or (snapshot.s >= joins and abs(snapshot.d) < OFF_CURVE_EPSILON_M)
+
+
+def instruct(situation: Situation) -> Instruction:
+    """Weaken the attraction of C and raise v_d until X is passed; then return."""
+    overtaking = situation.memory.overtaking
+    return Instruction.OVERTAKE if overtaking is None else overtaking.instruction
+
+
+RULE = BehaviourRule(
+    Behaviour.OVERTAKING, (follows_x, has_settled, is_late, is_legal, has_looked, gap_is_proven), instruct, (is_back,)
+)
+
+
+class Passing(NamedTuple):
+    """What overtaking asks for now: the manoeuvre as it stands, a new way `aside` (None with `replans`: back to C), a
+    speed not to exceed (m/s), and why."""
+
+    overtaking: Overtaking
+    replans: bool = False
+    aside: Aside | None = None
+    top_speed: float = math.inf
+    reason: Reason | None = None
+    cause: str = ""
+
+
+def try_out(situation: Situation) -> Proof | None:
+    """Return the proof that X can be passed, or why not; None when nothing asks for it."""
+    x = situation.ahead_of_ego
+    asks = (follows_x, has_settled, is_late, is_legal, has_looked)
+    if x is None or situation.memory.overtaking is not None or not all(holds(situation) for holds in asks):
+        return None
+    return proof(situation, x)
+
+
+def begin(situation: Situation) -> Passing | None:
+    """Pull out: the way aside that the proof found."""
+    x, found = situation.ahead_of_ego, situation.proof
+    if x is None or found is None or found.aside is None:
+        return None
+    overtaking = Overtaking(x.user.id, situation.snapshot.time, Instruction.OVERTAKE)
+    return Passing(overtaking, replans=True, aside=found.aside, reason=Reason.SLOW_AHEAD, cause=x.user.id)
+
+
+def carry_on(situation: Situation, overtaking: Overtaking) -> Passing:
+    """Pass X, and come back; if the proof no longer holds, fall back behind X."""
+    plan, snapshot = situation.plan, situation.snapshot
+    way = plan.aside
+    if overtaking.instruction is not Instruction.OVERTAKE or way is None:
+        return Passing(overtaking)
+    coming_back = overtaking._replace(instruction=Instruction.RETURN)
+    if snapshot.s >= way.back:
+        return Passing(coming_back)
+    x = find(situation, overtaking.user_id)
+    if x is None or is_clear_of(situation, x):
+        beside = in_the_way_back(situation, way)
+        if not beside:
+            return Passing(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
+        overtaking, x = overtaking._replace(user_id=beside), find(situation, beside)
+        if x is None:
+            return Passing(coming_back)
+    lane = lane_in_use(situation, way.lateral)
+    found = prove(situation, x, way.lateral, lane, legal_end(situation, x, lane), UNDER_WAY)
+    if found.aside is not None:
+        moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
+        return Passing(overtaking, replans=moved, aside=found.aside)
+    if lane is not None and not lane.is_oncoming and _is_over(situation, x):
+        return Passing(overtaking)  # the lane beside is the ego's by now: who follows there follows it
+    return _fall_back(situation, overtaking, x, found)
+
+
+def _is_over(situation: Situation, x: Passed) -> bool:
+    """Whether half the way aside is behind the ego."""
+    plan, s = situation.plan, situation.snapshot.s
+    return s > 0.5 * plan.joins or situation.snapshot.front > x.rear
+
+
+def _fall_back(situation: Situation, overtaking: Overtaking, x: Passed, found: Proof) -> Passing:
+    """Return behind X; beside it, slow down first, unless going on is only short of its margin."""
+    falling = overtaking._replace(instruction=Instruction.FALL_BACK)
+    if situation.snapshot.front < x.rear:
+        return Passing(falling, replans=True, reason=Reason.GAP_LOST, cause=found.obstacle)
+    if found.only_margin:
+        return Passing(overtaking)
+    return Passing(overtaking, top_speed=max(x.speed - FALL_BACK_BY, 0.0), reason=Reason.GAP_LOST, cause=found.obstacle)

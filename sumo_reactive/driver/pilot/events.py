@@ -1,0 +1,207 @@
+"""What activates the pilot: everything that differs from what it took for granted (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
+from sumo_reactive.driver.nouns.decision import Instruction, StopAt
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.parameters import (
+    BEHAVIOUR_TOLERANCE,
+    CAUTIOUS_AHEAD_M,
+    CAUTIOUS_AHEAD_S,
+    DELAY_STEP_S,
+    ENTERING_M,
+    NO_PROGRESS_S,
+    OFF_NOMINAL_SPEED,
+    STANDING_SPEED,
+    TIME_TOLERANCE_S,
+    TRUST_AHEAD_S,
+    TRUST_S,
+)
+from sumo_reactive.driver.pilot.highway_code import Rules
+from sumo_reactive.driver.pilot.lane_changing import seeks
+from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
+from sumo_reactive.driver.pilot.passages import Ahead
+
+FAR, NEAR, ENTERING, INSIDE = range(4)
+"""How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""
+
+
+_DOINGS = (EventKind.FORECAST_EXPIRED, EventKind.OTHER_BEHAVIOUR, EventKind.NEW_OBSTACLE)
+"""What the others do."""
+
+
+def detect(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, held: CompletedPlan | None, memory: PilotMemory, no_command: bool
+) -> tuple[Event, ...]:
+    """Return every event since the pilot last decided; none means that its plan `held` stays in force.
+
+    `no_command`: the executor's feedback that no command was admissible.
+    """
+    premises = memory.premises
+    if held is None or premises is None or premises.plan is not plan:
+        new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
+        return (Event(EventKind.NEW_PLAN), *new_route)
+    found = _others(snapshot, held, premises)
+    found += _own(snapshot, plan, ahead, premises)
+    found += _times(snapshot, held, memory, premises)
+    if no_command:
+        found.append(Event(EventKind.NO_COMMAND))
+    return tuple(found)
+
+
+def only_foes(events: tuple[Event, ...], snapshot: Snapshot) -> bool:
+    """Whether nothing has happened but what those do who are not in the ego's way, or that they were foreseen long ago."""
+    in_the_way = {obstacle.user.id for obstacle in snapshot.on_path}
+    return all(event.kind in _DOINGS and event.cause not in in_the_way for event in events)
+
+
+def premises_of(
+    snapshot: Snapshot, made: CompletedPlan, ahead: Ahead, rules: Rules, *, is_watchful: bool, is_settled: bool
+) -> Premises:
+    """Return what the decision `made` now rests on; `rules`: what the highway code asked for.
+
+    `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
+    """
+    plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
+    stages = _stages(snapshot, plan, ahead, regions)
+    is_seeking = seeks(snapshot, plan)
+    near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
+    trust = TRUST_S if near else TRUST_AHEAD_S
+    watches = snapshot.foes or is_watchful or is_seeking
+    return Premises(
+        plan=plan,
+        time=snapshot.time,
+        lights=snapshot.lights,
+        speeds=_speeds(snapshot),
+        heeded=rules.judged.union(obstacle.user.id for obstacle in snapshot.on_path),
+        is_threatened=made.stop is not None and _is_threat(made.stop, snapshot),
+        regions=regions,
+        stages=stages,
+        is_standing=snapshot.ego.speed < STANDING_SPEED,
+        is_off_nominal=_is_off_nominal(snapshot, plan),
+        is_seeking=is_seeking,
+        is_watchful=is_watchful,
+        is_settled=is_settled,
+        asked=rules.gist,
+        trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
+    )
+
+
+def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list[Event]:
+    """Return what the others and the lights have changed."""
+    found: list[Event] = []
+    known = premises.lights
+    for light, letters in snapshot.lights.items():
+        if known.get(light) != letters:
+            found.append(Event(EventKind.LIGHT_CHANGE, light))
+    if premises.is_settled:
+        return found
+    speeds, trusted = _speeds(snapshot), premises.speeds
+    for user_id, speed in speeds.items():
+        foreseen = trusted.get(user_id)
+        if speed == foreseen:
+            continue
+        if foreseen is None:
+            found.append(Event(EventKind.NEW_OBSTACLE, user_id))
+        elif speed < foreseen and user_id not in premises.heeded:
+            continue  # who did not matter does not when he slows down
+        elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
+            found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
+    if held.stop is not None and _is_gone(held.stop, snapshot, premises, speeds):
+        found.append(Event(EventKind.CAUSE_VANISHED, held.stop.cause))
+    return found
+
+
+def _is_gone(stop: StopAt, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
+    """Whether the road user that the ego stops for is out of the way."""
+    if stop.cause not in premises.speeds:
+        return False
+    return stop.cause not in speeds or (premises.is_threatened and not _is_threat(stop, snapshot))
+
+
+def _is_threat(stop: StopAt, snapshot: Snapshot) -> bool:
+    """Whether the road user that the ego stops for can reach the region that it stops before."""
+    return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
+
+
+def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> list[Event]:
+    """Return what the ego itself has come to."""
+    found: list[Event] = []
+    if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
+        found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
+    if not premises.is_seeking and seeks(snapshot, plan):
+        found.append(Event(EventKind.LANE_CHANGE))
+    if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
+        found.append(Event(EventKind.STANDSTILL))
+    if not premises.is_off_nominal and _is_off_nominal(snapshot, plan):
+        found.append(Event(EventKind.OFF_NOMINAL))
+    return found
+
+
+def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:
+    """Return what is due: times that the plan or an instruction named, delays, want of progress."""
+    found: list[Event] = []
+    now = snapshot.time
+    if now >= premises.trusted_until - 1e-6:
+        found.append(Event(EventKind.FORECAST_EXPIRED))
+    if memory.serving_until is not None and now >= memory.serving_until:
+        found.append(Event(EventKind.TIME_REACHED))
+    if not premises.is_settled:
+        found += _late(snapshot, held, memory)
+    if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
+        found.append(Event(EventKind.NO_PROGRESS))
+    if held.move is not None and held.move.is_over(snapshot.ego):
+        found.append(Event(EventKind.MOVE_ENDED))
+    if memory.escapes == 0 and held.instruction is Instruction.WIDEN:
+        found.append(Event(EventKind.PROGRESS))
+    return found
+
+
+def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[Event]:
+    """Return what a delay has changed: the next time constraint, and whether it has become excessive."""
+    found: list[Event] = []
+    front = snapshot.front
+    for target in held.time_constraints:
+        if target.s > front:
+            if snapshot.time > target.time + TIME_TOLERANCE_S:
+                found.append(Event(EventKind.CONSTRAINT_MISSED))
+            break
+    if held.plan.delay(snapshot.s, snapshot.time) > memory.delay + DELAY_STEP_S:
+        found.append(Event(EventKind.DELAY))
+    return found
+
+
+def _speeds(snapshot: Snapshot) -> dict[str, float]:
+    speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
+    for foe in snapshot.foes:
+        speeds[foe.user.id] = foe.user.speed
+    return speeds
+
+
+def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
+    return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > OFF_NOMINAL_SPEED
+
+
+def _stages(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]
+) -> tuple[tuple[int, ...], ...]:
+    """Return for each passage in sight the ego's stage, its index and how many of `regions` the front bumper has reached."""
+    front = snapshot.front
+    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed
+    found = []
+    for i, connection, conflicts in ahead:
+        if not conflicts and connection.light is None:
+            continue
+        inside = front - plan.passages[i].start
+        stage = FAR if inside < -reach else NEAR if inside < -ENTERING_M else ENTERING if inside <= 0.0 else INSIDE
+        if snapshot.s >= plan.passages[i].end:
+            continue
+        reached = sum(c.region.id in regions and inside > c.region.own.start for c in conflicts) if stage == INSIDE else 0
+        found.append((stage, i, reached))
+    return tuple(found)

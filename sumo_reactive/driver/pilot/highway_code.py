@@ -1,0 +1,140 @@
+"""What the highway code asks of the ego now: places to stop at, and where it may go on (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState, StopAt
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
+from sumo_reactive.driver.parameters import STANDING_SPEED
+from sumo_reactive.driver.pilot.behaviours import cautious, crossing, stopping
+from sumo_reactive.driver.pilot.lane_changing import LaneChanging
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import Ahead, Crossing
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+_RECORDED_S = 10.0
+"""A foe whom the ego goes before or after is recorded when it comes within this time."""
+
+Wait = tuple[StopAt, Decision]
+"""A place to stop at, and why."""
+
+
+class Rules(NamedTuple):
+    """Every place to stop at, the decisions to go on although somebody comes, the regions of the next passage; `judged`:
+    the ids of the foes who matter at any passage."""
+
+    stops: tuple[Wait, ...]
+    passes: tuple[Decision, ...]
+    regions: tuple[RegionState, ...]
+    judged: frozenset[str]
+
+    @property
+    def gist(self) -> Hashable:
+        """Where to stop and why, whom to go before or after: the same as long as the ego has the same to do."""
+        passed = ((decision.reason, decision.region, decision.cause) for decision in self.passes)
+        return tuple(stop for stop, _ in self.stops), frozenset(passed)
+
+
+def ask(
+    snapshot: Snapshot,
+    plan: NominalPlan,
+    ways: tuple[Crossing, ...],
+    ahead: Ahead,
+    changing: LaneChanging,
+    memory: PilotMemory,
+    limits: VehicleLimits,
+) -> tuple[Rules, PilotMemory]:
+    """Ask for scheduled stops, lane changes, and for each passage: its line, its regions, the room behind them.
+
+    The farthest passage is asked first: who means to stop behind a region, there or behind a queue, leaves it later.
+    """
+    scheduled, memory = stopping.serve(snapshot, plan, memory)
+    stops = [(stop, decision_of(stop)) for stop in (scheduled, changing.stop) if stop is not None]
+    queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
+    foes = crossing.without_queues(snapshot.foes)
+    found: list[Rules] = []
+    shown = next((way.number for way, (_, _, conflicts) in zip(ways, ahead, strict=True) if conflicts), None)
+    for way, (_, _, conflicts) in zip(reversed(ways), reversed(ahead), strict=True):
+        places = [*queue, *(stop.s for stop, _ in stops)]
+        behind = min((place for place in places if place > way.passage.end), default=math.inf)
+        way = way._replace(stop=behind)
+        rules, memory = _passage(way, conflicts, foes, snapshot, memory, limits, is_shown=way.number == shown)
+        stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
+        found.insert(0, rules)
+    passes = tuple(decision for rules in found for decision in rules.passes)
+    regions = tuple(state for rules in found for state in rules.regions)
+    judged = frozenset(user_id for rules in found for user_id in rules.judged)
+    return Rules(tuple(stops), passes, regions, judged), memory
+
+
+def _passage(
+    way: Crossing,
+    conflicts: tuple[Conflict, ...],
+    foes: tuple[Foe, ...],
+    snapshot: Snapshot,
+    memory: PilotMemory,
+    limits: VehicleLimits,
+    *,
+    is_shown: bool,
+) -> tuple[Rules, PilotMemory]:
+    """Return what one passage asks for, with the states of its regions if they are to be shown."""
+    at_line, late, memory = cautious.stop_at_line(way, snapshot, memory, limits)
+    stops = [] if at_line is None else [(at_line, decision_of(at_line))]
+    found = list(crossing.judgements(way, foes, snapshot, memory, limits))
+    waits = [
+        (StopAt(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
+        for judgement, place in found
+        if place is not None
+    ]
+    stops.extend([min(waits, key=lambda wait: wait[0].s)] if waits else [])
+    blocker = crossing.exit_is_blocked(way, snapshot, limits, conflicts)
+    if blocker:
+        stop = StopAt(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
+        stops.append((stop, decision_of(stop)))
+    passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
+    states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found]) if is_shown else ()
+    judged = frozenset(judgement.foe.user.id for judgement, _ in found)
+    return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged), memory
+
+
+def _is_worth_a_word(judgement: crossing.Judgement) -> bool:
+    return judgement.foe.conflict.must_yield and judgement.other.arrival < _RECORDED_S
+
+
+def _states(
+    way: Crossing,
+    conflicts: tuple[Conflict, ...],
+    snapshot: Snapshot,
+    limits: VehicleLimits,
+    judgements: list[crossing.Judgement],
+) -> tuple[RegionState, ...]:
+    """Return the state of every region of a passage: one vehicle at a time."""
+    taken: dict[str, RegionState] = {}
+    for judgement in judgements:
+        inside = judgement.foe.to_region <= 0.0
+        if inside or (not judgement.passes and judgement.region not in taken):
+            state = Occupancy.OCCUPIED if inside else Occupancy.CLAIMED
+            taken[judgement.region] = RegionState(judgement.region, state, judgement.foe.user.id)
+    return tuple(taken.get(c.region.id) or _own_state(way, c, snapshot, limits) for c in conflicts)
+
+
+def _own_state(way: Crossing, conflict: Conflict, snapshot: Snapshot, limits: VehicleLimits) -> RegionState:
+    own, front = conflict.region.own, snapshot.front
+    held = way.at(own.start) < front and front - limits.length < way.at(own.end)
+    return RegionState(conflict.region.id, Occupancy.OWN if held else Occupancy.FREE)
+
+
+def nearest(waits: tuple[Wait, ...]) -> StopAt | None:
+    """Return the first place to stop at."""
+    return min((stop for stop, _ in waits), key=lambda stop: stop.s, default=None)
+
+
+def decision_of(stop: StopAt) -> Decision:
+    """Return the decision that a stop stands for."""
+    at_location = stop.reason in (Reason.SCHEDULED_STOP, Reason.NO_GAP, Reason.HELD_UP, Reason.BLOCKED)
+    behaviour = Behaviour.STOPPING if at_location else Behaviour.CAUTIOUS
+    return Decision(behaviour, stop.reason, stop.region, stop.cause)

@@ -1,0 +1,41 @@
+"""What each symbolic instruction changes in the executor: weights of U, velocity profile, command grid.
+
+The paper finds its coefficients by hand and names that as open (F&L 1991, §4); so are these, each with its reason.
+"""
+
+from __future__ import annotations
+
+from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
+from sumo_reactive.driver.nouns.decision import Instruction
+from sumo_reactive.driver.parameters import PASSING_HEADWAY
+
+_USUAL = Weights(valley=10.0, shadow=0.3, velocity=1.0)
+_WEAKENED = Weights(valley=4.0, shadow=1.0, velocity=1.0)
+_CALM = VelocityProfile()
+
+TUNINGS: dict[Instruction, Tuning] = {
+    # 0.1 m beside C weighs as much as 1 m/s of speed: C is kept through every bend, U₂ only breaks ties
+    Instruction.FOLLOW_CURVE: Tuning(_USUAL, _CALM),
+    Instruction.APPROACH: Tuning(_USUAL, _CALM),
+    Instruction.STOP: Tuning(_USUAL, _CALM),
+    Instruction.CROSS: Tuning(_USUAL, _CALM),
+    # the attraction of C gives way, U₂ counts three times as much, and the gap behind X may close while pulling out
+    Instruction.OVERTAKE: Tuning(_WEAKENED, VelocityProfile(headway=PASSING_HEADWAY)),
+    Instruction.RETURN: Tuning(_USUAL, _CALM),
+    # behind X again soon: brake a third harder than in comfort, keep the whole headway
+    Instruction.FALL_BACK: Tuning(_USUAL, VelocityProfile(deceleration=1.35)),
+    Instruction.BACK_UP: Tuning(_USUAL, VelocityProfile(acceleration=0.4)),
+    Instruction.TURN_ROUND: Tuning(_USUAL, VelocityProfile(acceleration=0.6)),
+    # a standing ego that finds no way down U looks at more commands, and C holds it less
+    Instruction.WIDEN: Tuning(_WEAKENED, _CALM, wide_grid=True),
+}
+
+_PAPER_USUAL = Weights(valley=15.0, shadow=0.3, velocity=1.0)
+"""Nine commands keep to C only if U₁ outweighs a step of speed."""
+
+PAPER_TUNINGS: dict[Instruction, Tuning] = {
+    instruction: Tuning(
+        _PAPER_USUAL if tuning.weights is _USUAL else Weights(valley=8.0, shadow=1.0, velocity=1.0), tuning.profile
+    )
+    for instruction, tuning in TUNINGS.items()
+}

@@ -1,0 +1,210 @@
+"""The proof by simulation that a way past somebody, out and back, meets nobody (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.geometry.polyline import eased, moved_aside
+from sumo_reactive.driver.nouns.forecast import LaneBeside
+from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, lateral_of
+from sumo_reactive.driver.nouns.snapshot import PathObstacle
+from sumo_reactive.driver.parameters import (
+    ASSESSMENT_STEP_S,
+    CORRIDOR_MARGIN_M,
+    MERGE_MARGIN_S,
+    OVERTAKING_MARGIN_S,
+    OVERTAKING_S,
+    PASSING_HEADWAY,
+    PATH_STEP_M,
+    PROOF_ROOM_M,
+    SLOWER_BY,
+    STANDING_SPEED,
+    UNDER_WAY_SHARE,
+)
+from sumo_reactive.driver.pilot.assessment import Way, first_contact, followed, leader_table, simulate
+from sumo_reactive.driver.pilot.passed import FIND_REACH_M, Passed, lateral_for, legal_end, passed
+from sumo_reactive.driver.pilot.situation import Proof, Situation
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.side_step import side_step_length
+
+Array = NDArray[np.float64]
+
+LANE_WIDTH_M = 3.2
+"""SUMO's usual lane; sets only how long a move aside takes."""
+
+
+_SHARES = np.linspace(0.0, 1.0, 101)
+_MADE = eased(_SHARES)
+"""How much of a move aside is made after each share of its length."""
+
+
+class Margin(NamedTuple):
+    """What a manoeuvre leaves to the others: they may be this much earlier than foreseen, or half of it later (s), when they
+    come towards the ego, or drive its way; `room` (m) is left around the ego's body."""
+
+    oncoming: float
+    same_way: float
+    room: float
+
+
+BEFORE = Margin(OVERTAKING_MARGIN_S, MERGE_MARGIN_S, PROOF_ROOM_M)
+"""Asked for before the ego pulls out."""
+
+UNDER_WAY = Margin(UNDER_WAY_SHARE * OVERTAKING_MARGIN_S, UNDER_WAY_SHARE * MERGE_MARGIN_S, 0.0)
+"""Asked for while it passes: less, so that a small error does not call it back."""
+
+
+def proof(situation: Situation, x: PathObstacle) -> Proof:
+    """Simulate pulling out, passing X and coming back; the others keep their behaviour (F&L 1991, §2)."""
+    target = passed(situation, x)
+    lateral, lane = lateral_for(situation, target)
+    if lateral == 0.0:
+        return Proof(None, "no lane to pass on")
+    return prove(situation, target, lateral, lane, legal_end(situation, target, lane))
+
+
+def prove(
+    situation: Situation, x: Passed, lateral: float, lane: LaneBeside | None, end: float, margin: Margin = BEFORE
+) -> Proof:
+    """Return the proof for passing X `lateral` m beside C, on `lane` (None: the own one), back by `end` (m of C).
+
+    `margin`: what it must leave to the others.
+    """
+    snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
+    way = _way_out(situation, x, lateral)
+    trace = simulate(snapshot, way, None, _leaders(situation, x, lateral), limits, OVERTAKING_S, headway=PASSING_HEADWAY)
+    fronts = x.front + x.speed * ASSESSMENT_STEP_S * np.arange(len(trace))
+    rear = trace[:, 4] + limits.front_overhang - limits.length
+    clear = rear >= fronts + x.gap
+    if not clear.any():
+        return Proof(None, "no room to swing out" if x.is_halted else f"{x.user_id} is too fast to pass")
+    at = int(np.argmax(clear))
+    back = float(trace[at, 4])
+    until = back + _way_back(lateral, float(trace[at, 3]), end - limits.front_overhang - back, limits)
+    if until + limits.front_overhang > end:
+        return Proof(None, "the road ahead is too short")
+    aside = Aside(x.user_id, lateral, back, until)
+    last = int(np.argmax(trace[:, 4] >= until)) if trace[-1, 4] >= until else len(trace) - 1
+    duration = (last + 1) * ASSESSMENT_STEP_S
+    if lane is not None and lane.is_oncoming and not _is_in_sight(situation, lane, until, duration):
+        return Proof(None, "the oncoming lane is not in sight far enough")
+    full = _displaced(way, lateral_of(aside, plan.curve.step * np.arange(len(way.x))) - lateral, back)
+    trace = simulate(snapshot, full, None, _leaders(situation, x, lateral), limits, duration, headway=PASSING_HEADWAY)
+    return _meeting(situation, trace, x, aside, duration, margin)
+
+
+def _way_back(lateral: float, speed: float, room: float, limits: VehicleLimits) -> float:
+    """Return the length of the return, m: comfortable, or as short as `room` (m) asks; C then slows the ego down."""
+    comfortable, shortest = (side_step_length(abs(lateral), 0.0, v, LANE_WIDTH_M, limits) for v in (speed, 0.0))
+    return min(comfortable, max(shortest, room))
+
+
+def _way_out(situation: Situation, x: Passed, lateral: float) -> Way:
+    """Return the way aside without an end: along C as far as it already leads aside, else moved out from here."""
+    plan, snapshot, limits = situation.plan, situation.snapshot, situation.limits
+    reach = OVERTAKING_S * (max(snapshot.ego.speed, plan.road_speed(snapshot.s)) + SLOWER_BY)
+    whole, samples = _along(plan, snapshot.s + reach)
+    if plan.aside is not None:
+        return _displaced(whole, lateral - lateral_of(plan.aside, samples), plan.aside.back)
+    out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
+    t = np.clip((samples - snapshot.s) / out, 0.0, 1.0)
+    return _displaced(whole, lateral * eased(t), snapshot.s)
+
+
+def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
+    """Return C up to arc length `end` (m), and the arc length of each sample (n,)."""
+    curve = plan.curve
+    n = min(len(curve.x), int(end / curve.step) + 2)
+    samples = np.linspace(0.0, curve.step * (n - 1), n, dtype=np.float64)
+    return Way(curve.x[:n], curve.y[:n], curve.heading[:n], plan.speed_limits[:n], curve.step), samples
+
+
+def _displaced(way: Way, lateral: Array, start: float) -> Way:
+    """Return `way` moved to its left by `lateral` (n,), m, from arc length `start` on."""
+    first = max(int(start / way.step) - 1, 0)
+    line = moved_aside(np.column_stack([way.x, way.y])[first:], lateral[first:])
+    along = np.gradient(line, axis=0)
+    heading = way.heading.copy()
+    turned = np.arctan2(along[:, 1], along[:, 0])
+    heading[first:] += np.remainder(turned - heading[first:] + math.pi, 2.0 * math.pi) - math.pi
+    x, y = way.x.copy(), way.y.copy()
+    x[first:], y[first:] = line[:, 0], line[:, 1]
+    return way._replace(x=x, y=y, heading=heading)
+
+
+def _leaders(situation: Situation, x: Passed, lateral: float) -> Array:
+    """Return the leaders for the simulation: X until the way past it leads aside, the others for ever."""
+    snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
+    out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
+    needed = (x.left if lateral > 0.0 else -x.right) + 0.5 * limits.width + CORRIDOR_MARGIN_M
+    share = float(np.interp(needed / abs(lateral), _MADE, _SHARES))
+    beside = snapshot.s + share * out if plan.aside is None else share * plan.joins
+    table = leader_table(snapshot)
+    is_x = [obstacle.user.id == x.user_id for obstacle in followed(snapshot)]
+    table[is_x, 2] = beside
+    return table
+
+
+def _is_in_sight(situation: Situation, lane: LaneBeside, until: float, duration: float) -> bool:
+    """Whether somebody who comes into sight now on the oncoming lane, at its speed limit, is met only after the return."""
+    sight = situation.snapshot.front + situation.outlook.sight
+    return sight - lane.speed_limit * (duration + BEFORE.oncoming) > until
+
+
+def _meeting(situation: Situation, trace: Array, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:
+    """Return the proof, after a look at everybody: where foreseen, earlier by the margin, later by half of it."""
+    forecast, limits, room = situation.outlook.forecast, situation.limits, margin.room
+    speeds, oncoming = _speeds(situation)
+    early = np.where(oncoming, margin.oncoming, margin.same_way)
+    early[[user_id == x.user_id for user_id in forecast.user_ids]] = 0.0
+    for share in (0.0, -0.5, 1.0):
+        leads = share * early
+        k, _ = first_contact(
+            trace, limits.length + 2.0 * room, limits.width + 2.0 * room, forecast.points, forecast.first, forecast.counts,
+            forecast.bodies, speeds, leads, ASSESSMENT_STEP_S, PATH_STEP_M,
+        )  # fmt: skip
+        if k >= 0:
+            return Proof(None, forecast.user_ids[k], duration, only_margin=share != 0.0)
+    return Proof(aside, "", duration)
+
+
+def _speeds(situation: Situation) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the speed of each path, m/s (NaN: its user need not be looked at), and which come towards the ego.
+
+    Oncoming traffic that moves is taken at its lane's limit if it is slower; who follows on the ego's own lane brakes.
+    """
+    forecast, pose, limits = situation.outlook.forecast, situation.snapshot.ego.pose, situation.limits
+    speeds = np.array(forecast.bodies[:, 2])
+    if not len(speeds):
+        return speeds, np.zeros(0, np.bool_)
+    at = forecast.points[forecast.first]
+    dx, dy = at[:, 0] - pose.x, at[:, 1] - pose.y
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
+    ahead, beside = dx * c + dy * s, dy * c - dx * s + forecast.bodies[:, 1]
+    along = np.cos(at[:, 2] - pose.heading)
+    oncoming = along < -0.5
+    faster = np.maximum(speeds, forecast.bodies[:, 5])
+    speeds = np.where(oncoming & (speeds > STANDING_SPEED), faster, speeds)
+    follows = (ahead < limits.front_to_rear_axle - 0.5 * limits.length) & (along > 0.5)
+    speeds[follows & (np.abs(beside) < 0.5 * limits.width + 0.5)] = np.nan
+    return speeds, oncoming
+
+
+def in_the_way_back(situation: Situation, way: Aside) -> str:
+    """Return whom the ego would meet if it came back from `way` now; empty: nobody."""
+    snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
+    length = side_step_length(abs(way.lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
+    now = Aside(way.user_id, way.lateral, snapshot.s, snapshot.s + length)
+    whole, samples = _along(plan, now.until + FIND_REACH_M)
+    returning = _displaced(whole, lateral_of(now, samples) - lateral_of(way, samples), now.back)
+    duration = length / max(snapshot.ego.speed, 2.0) + 2.0
+    trace = simulate(snapshot, returning, None, leader_table(snapshot), limits, duration)
+    x = Passed(way.user_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
+    found = _meeting(situation, trace, x, now, duration, Margin(0.0, 0.0, PROOF_ROOM_M))
+    return "" if found.aside is not None else found.obstacle
+
+

@@ -1,0 +1,81 @@
+"""What the pilot must remember from step to step: an argument and a result, never a hidden field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Mapping
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.world.route import ScheduledStop
+
+
+class Premises(NamedTuple):
+    """What the pilot took for granted when it last decided, at `time` (s), on `plan`; what differs from it is an event.
+
+    `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `heeded`: ids of those whose
+    motion it took into account. `is_threatened`: whether it stopped for a foe, at the region that he could reach.
+    `regions`: ids of those that somebody could reach. `stages`: how far the ego had come in each passage in sight, and how
+    many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_watchful`: it rests on
+    the others' motion from moment to moment. `is_settled`: it rests on none of the others, for a light or a time decides.
+    `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast of the others holds.
+    """
+
+    plan: NominalPlan
+    time: float
+    lights: Mapping[str, str]
+    speeds: Mapping[str, float]
+    heeded: frozenset[str]
+    is_threatened: bool
+    regions: frozenset[str]
+    stages: tuple[tuple[int, ...], ...]
+    is_standing: bool
+    is_off_nominal: bool
+    is_seeking: bool
+    is_watchful: bool
+    is_settled: bool
+    asked: Hashable
+    trusted_until: float
+
+
+class Overtaking(NamedTuple):
+    """An overtaking under way: who is passed, since when (s), and what the ego is about: OVERTAKE, RETURN or FALL_BACK."""
+
+    user_id: str
+    since: float
+    instruction: Instruction
+
+
+class PilotMemory(NamedTuple):
+    """Since when the ego stands (s; None: it moves), at which connection's line it has come to a full stop and when (s),
+    which scheduled stops it has served, and until when it serves the present one (s; None: it serves none).
+
+    `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `constraints` the adjusted
+    (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
+    place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
+    to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
+    since when (s). `move`: which of the
+    plan's turns in several moves is under way, and which of its moves (None: none is).
+    """
+
+    standing_since: float | None = None
+    stopped_at: str = ""
+    stopped_since: float = 0.0
+    served: tuple[ScheduledStop, ...] = ()
+    serving_until: float | None = None
+    behaviour: Behaviour = Behaviour.NORMAL
+    premises: Premises | None = None
+    overtaking: Overtaking | None = None
+    constraints: tuple[TimeConstraint, ...] = ()
+    delay: float = 0.0
+    progress_s: float = -math.inf
+    progress_time: float = 0.0
+    escapes: int = 0
+    waiting_since: float | None = None
+    released: tuple[str, float] = ("", 0.0)
+    move: tuple[int, int] | None = None
+
+    def standing_for(self, time: float) -> float:
+        """How long the ego has been standing at `time`, s."""
+        return 0.0 if self.standing_since is None else time - self.standing_since

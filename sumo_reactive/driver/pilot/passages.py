@@ -1,0 +1,72 @@
+"""The passages through junctions that are in sight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
+from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
+from sumo_reactive.driver.parameters import PLANS_KEPT, REGION_MARGIN_M, WAIT_SHIFT_M
+from sumo_reactive.driver.world.junction import Connection
+
+Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
+"""The passages in sight: index in the plan, connection, conflicts."""
+
+
+class Crossing(NamedTuple):
+    """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
+    `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
+    `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
+    nowhere)."""
+
+    number: int
+    passage: Passage
+    connection: Connection
+    scale: float
+    pace: float
+    stop: float = math.inf
+    turn: Turnaround | None = None
+    wait_at: float | None = None
+
+    @property
+    def line(self) -> float:
+        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, or as
+        a turn in several moves begins."""
+        line = self.passage.start - self.connection.hold_back
+        return line if self.turn is None else min(line, self.turn.start)
+
+    def at(self, path_length: float) -> float:
+        """Arc length on C of a place on the connection's path, m; C is as long as the lanes before and behind it."""
+        inside = min(max(path_length, 0.0), self.connection.path.length)
+        return self.passage.start + inside * self.scale + path_length - inside
+
+
+def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[Crossing]:
+    """Yield the passages that matter now."""
+    for index, connection, conflicts in ahead:
+        passage = plan.passages[index]
+        scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
+        first = max(0, int(max(passage.start - connection.hold_back, snapshot.s) / plan.curve.step))
+        last = max(first + 1, int(passage.end / plan.curve.step) + 1)
+        pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
+        turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
+        wait_at = _place_inside(connection, conflicts)
+        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
+
+
+@kept(PLANS_KEPT)
+def _pace(plan: NominalPlan, first: int, last: int) -> float:
+    """Return the lowest speed limit of the samples `first` to `last` of C, m/s."""
+    return float(plan.speed_limits[first:last].min())
+
+
+def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:
+    """Return the waiting place (m of the path), moved back before the regions of those who go first that reach over it."""
+    wait = connection.wait_at
+    if wait is None:
+        return None
+    starts = (conflict.region.own.start for conflict in conflicts if conflict.must_yield)
+    return min([wait, *(start - REGION_MARGIN_M for start in starts if start >= wait - WAIT_SHIFT_M)])

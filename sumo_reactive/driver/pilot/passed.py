@@ -1,0 +1,124 @@
+"""Who is passed: where it is, how far aside it is passed, and how far the law lets that go."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.forecast import LaneBeside
+from sumo_reactive.driver.nouns.plan import lateral_of
+from sumo_reactive.driver.nouns.snapshot import PathObstacle
+from sumo_reactive.driver.parameters import (
+    EDGE_MARGIN_M,
+    HALTED_END_M,
+    HALTED_GAP_M,
+    OVERTAKING_END_M,
+    PASSING_CLEARANCE_M,
+    RETURN_GAP_M,
+    RETURN_HEADWAY_S,
+    STANDING_SPEED,
+    TWO_WHEELER_CLEARANCE_M,
+    TWO_WHEELER_WIDTH_M,
+)
+from sumo_reactive.driver.pilot.situation import Situation
+
+FIND_REACH_M = 80.0
+"""Who is passed is looked for on C this far around the ego."""
+
+
+class Passed(NamedTuple):
+    """X, who is passed: rear and front on C (m), speed along C (m/s), the extent of its body left of C (m), its width."""
+
+    user_id: str
+    rear: float
+    front: float
+    speed: float
+    left: float
+    right: float
+    width: float
+    is_halted: bool
+
+    @property
+    def gap(self) -> float:
+        """What the ego leaves in front of X before it comes back, m."""
+        return HALTED_GAP_M if self.is_halted else RETURN_GAP_M + RETURN_HEADWAY_S * self.speed
+
+
+def passed(situation: Situation, x: PathObstacle) -> Passed:
+    """Return X as the manoeuvre sees it."""
+    curve, user = situation.plan.curve, x.user
+    s, d = project_on_curve(user.x, user.y, curve.x, curve.y, curve.step, x.end, user.body.length + 5.0)
+    turned = user.heading - curve.at(s)[2]
+    half = 0.5 * (user.body.width * abs(math.cos(turned)) + user.body.length * abs(math.sin(turned)))
+    middle = d - 0.5 * user.body.length * math.sin(turned)
+    moving = max(x.along, 0.0)
+    return Passed(user.id, x.start, max(s, x.end), moving, middle + half, middle - half, user.body.width, user.is_halted)
+
+
+def lateral_for(situation: Situation, x: Passed) -> tuple[float, LaneBeside | None]:
+    """Return how far to the left of C the ego must run to pass X (m; right in left-hand traffic), and the lane that it
+    uses for that: None when its own is wide enough. (0, None) when there is no lane."""
+    limits, outlook = situation.limits, situation.outlook
+    clearance = TWO_WHEELER_CLEARANCE_M if x.width < TWO_WHEELER_WIDTH_M else PASSING_CLEARANCE_M
+    beside = outlook.beside[0] if outlook.beside and outlook.beside[0].start <= situation.snapshot.front else None
+    side = -1.0 if beside is not None and beside.lateral < 0.0 else 1.0
+    needed = (x.left if side > 0.0 else -x.right) + clearance + 0.5 * limits.width
+    if needed <= 0.5 * (outlook.lane_width - limits.width) - EDGE_MARGIN_M:
+        return side * max(needed, 0.0), None
+    if beside is None:
+        return 0.0, None
+    away = abs(beside.lateral)
+    if not beside.is_oncoming:
+        return (side * away, beside) if needed <= away + 0.5 * (beside.width - limits.width) else (0.0, None)
+    return (side * needed, beside) if needed <= away + 0.5 * (beside.width - limits.width) else (0.0, None)
+
+
+def legal_end(situation: Situation, x: Passed, lane: LaneBeside | None) -> float:
+    """Return where the ego must be back on C at the latest, m of C.
+
+    No overtaking near an intersection or rail crossing, past the end of the lane that it uses, of the route, or of the
+    way to a lane change or a stop.
+    """
+    plan, front = situation.plan, situation.snapshot.front
+    away = HALTED_END_M if x.is_halted else OVERTAKING_END_M
+    ends = [p.start - away for p in plan.passages if p.end > front]
+    ends += [change.start for change in plan.lane_changes if change.end > front]
+    ends += [stop.s for stop in plan.stops if stop.s > front]
+    ends += [] if situation.stop is None or situation.stop.reason is Reason.BLOCKED else [situation.stop.s]
+    ends += [] if plan.goal is None else [plan.goal]
+    ends += [] if lane is None else [lane.end]
+    return min(ends, default=plan.curve.length)
+
+
+def find(situation: Situation, user_id: str) -> Passed | None:
+    """Return where somebody who is being passed is now; None when nobody sees him any more."""
+    forecast, curve = situation.outlook.forecast, situation.plan.curve
+    if user_id not in forecast.user_ids:
+        return None
+    k = forecast.user_ids.index(user_id)
+    along, lateral, speed, length, width, _ = forecast.bodies[k].tolist()
+    x, y, heading = forecast.points[forecast.first[k]].tolist()
+    c, w = math.cos(heading), math.sin(heading)
+    x, y = x + along * c - lateral * w, y + along * w + lateral * c
+    s, d = project_on_curve(x, y, curve.x, curve.y, curve.step, situation.snapshot.s, FIND_REACH_M)
+    aside = situation.plan.aside
+    off = 0.0 if aside is None else float(lateral_of(aside, np.array([s]))[0])
+    return Passed(user_id, s - length, s, speed, d + off + 0.5 * width, d + off - 0.5 * width, width, speed < STANDING_SPEED)
+
+
+def is_clear_of(situation: Situation, x: Passed) -> bool:
+    """Whether the ego may come back in front of X: its rear is a gap and a headway ahead."""
+    rear = situation.snapshot.front - situation.limits.length
+    return rear >= x.front + x.gap
+
+
+def lane_in_use(situation: Situation, lateral: float) -> LaneBeside | None:
+    """Return the lane that a way `lateral` m beside C uses; None when the own one is wide enough."""
+    outlook = situation.outlook
+    if abs(lateral) <= 0.5 * (outlook.lane_width - situation.limits.width):
+        return None
+    return outlook.beside[0] if outlook.beside else None

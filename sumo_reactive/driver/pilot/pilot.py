@@ -1,0 +1,316 @@
+"""The pilot: activated by events, it assesses the plan and completes it anew (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.assessment import Assessment
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.forecast import Outlook
+from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.parameters import (
+    CAUTIOUS_AHEAD_M,
+    FOE_PATIENCE_S,
+    LEAST_PATIENCE_S,
+    OVERTAKING_SIGHT_M,
+    PROGRESS_M,
+    STANDING_SPEED,
+)
+from sumo_reactive.driver.pilot.assessment import assess
+from sumo_reactive.driver.pilot.behaviours import overtaking
+from sumo_reactive.driver.pilot.escape import escape, room_behind
+from sumo_reactive.driver.pilot.events import premises_of
+from sumo_reactive.driver.pilot.held_up import leave_queue, released
+from sumo_reactive.driver.pilot.highway_code import Rules, ask, decision_of, nearest
+from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
+from sumo_reactive.driver.pilot.lane_changing import LaneChanging, seek_gap
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.missed_turn import is_missed, waiting_since
+from sumo_reactive.driver.pilot.passages import Ahead, crossings
+from sumo_reactive.driver.pilot.schedule import Delays, adjusted
+from sumo_reactive.driver.pilot.situation import Situation, next_on_way
+from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
+from sumo_reactive.driver.pilot.turning_round import Turning, place_to_begin, turn_round
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+_UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
+"""Stops that no assessment can put off."""
+
+
+_SETTLED = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.SCHEDULED_STOP)
+"""An ego that stands for one of these need not watch the others."""
+
+
+class Style(NamedTuple):
+    """How the pilot works: the paper's coefficients or the default ones, and what becomes of delays."""
+
+    paper: bool = False
+    delays: Delays = Delays.REPLAN
+
+
+class Orders(NamedTuple):
+    """What the pilot orders: instruction, stop, what it asks of the planner, why; the memory of it; a speed not to exceed
+    (m/s)."""
+
+    instruction: Instruction
+    stop: StopAt | None
+    request: Request
+    decisions: tuple[Decision, ...]
+    memory: PilotMemory
+    top_speed: float = math.inf
+
+
+def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
+    """Remember, at every step, since when the ego stands and where it last got on."""
+    if snapshot.ego.speed >= STANDING_SPEED:
+        if memory.standing_since is not None:
+            memory = memory._replace(standing_since=None)
+    elif memory.standing_since is None:
+        memory = memory._replace(standing_since=snapshot.time)
+    if abs(snapshot.s - memory.progress_s) > PROGRESS_M:
+        memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, escapes=0)
+    return memory
+
+
+def decide(
+    snapshot: Snapshot,
+    plan: NominalPlan,
+    ahead: Ahead,
+    outlook: Outlook,
+    events: tuple[Event, ...],
+    memory: PilotMemory,
+    limits: VehicleLimits,
+    style: Style,
+) -> tuple[CompletedPlan, PilotMemory]:
+    """Complete the plan because of `events`.
+
+    1. Ask the highway code. 2. Assess: how does the plan end if the ego goes on? 3. Choose the behaviour. 4. Carry out an
+    overtaking or an escape. 5. Adjust the time constraints. 6. Note what the decision rests on.
+    """
+    ways = tuple(crossings(snapshot, plan, ahead))
+    memory = memory._replace(released=released(snapshot, ways, memory))
+    changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
+    if changing == LaneChanging():
+        changing = leave_queue(snapshot, plan, outlook, ways, memory, limits)
+    asked, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
+    rules = asked
+    assessment = _assess(snapshot, plan, outlook, rules, limits)
+    situation = Situation(
+        snapshot, plan, limits, memory, events, ahead, ways, next_on_way(snapshot), nearest(rules.stops), assessment, outlook
+    )
+    is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
+    comes_over = outlook.comes_over
+    turning = turn_round(snapshot, plan, situation.stop, memory, comes_over=comes_over, is_stuck=is_stuck)
+    situation, rules = _with_turn(*_with_room(situation, rules))
+    memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
+    situation = situation._replace(memory=memory, proof=overtaking.try_out(situation))
+    behaviour = next_behaviour(situation)
+    orders = _ordered(situation, behaviour, rules, changing)
+    orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
+    if turning is not None:
+        orders = _turning(orders, turning, snapshot)
+    constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
+    if orders.request.what is Replanning.NOTHING:
+        orders = orders._replace(request=Request(asks))
+    completed = _completed(situation, behaviour, orders, constraints, rules, changing.slot, style)
+    if turning is not None:
+        completed = replace(completed, move=turning.move)
+    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
+    settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
+    premises = premises_of(snapshot, completed, ahead, asked, is_watchful=watchful, is_settled=settled)
+    return completed, memory._replace(behaviour=behaviour, premises=premises)
+
+
+def may_confirm(snapshot: Snapshot, memory: PilotMemory) -> bool:
+    """Whether what the highway code asks for alone decides on a decision: of a moving ego that seeks nothing."""
+    premises = memory.premises
+    if premises is None or premises.is_watchful or premises.is_seeking:
+        return False
+    return snapshot.ego.speed >= STANDING_SPEED
+
+
+def confirm(
+    snapshot: Snapshot, ahead: Ahead, held: CompletedPlan, memory: PilotMemory, limits: VehicleLimits
+) -> PilotMemory | None:
+    """Return the memory with the others foreseen anew if the highway code asks an ego that `may_confirm` for the same as
+    before: then the plan `held` stays in force. None: the pilot must decide.
+    """
+    ways = tuple(crossings(snapshot, held.plan, ahead))
+    rules, after = ask(snapshot, held.plan, ways, ahead, LaneChanging(), memory, limits)
+    if memory.premises is None or after != memory or rules.gist != memory.premises.asked:
+        return None
+    return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))
+
+
+def _assess(
+    snapshot: Snapshot, plan: NominalPlan, outlook: Outlook, rules: Rules, limits: VehicleLimits
+) -> Assessment:
+    """Simulate going on, up to the stops that nothing can put off; who yields by the rules and still can is trusted."""
+    stop = nearest(tuple(one for one in rules.stops if one[0].reason in _UNCONDITIONAL))
+    trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
+    target = next((c for c in plan.time_constraints if c.s > snapshot.front), None)
+    return assess(snapshot, outlook.forecast, plan, stop, target, limits, trusted)
+
+
+def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
+    """Return both with room kept behind somebody who has halted."""
+    room = None if situation.memory.overtaking is not None else room_behind(situation)
+    if room is None or (situation.stop is not None and situation.stop.s <= room.s):
+        return situation, rules
+    return situation._replace(stop=room), rules._replace(stops=(*rules.stops, (room, decision_of(room))))
+
+
+def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
+    """Return both with the stop before a turn in several moves."""
+    stop = place_to_begin(situation.snapshot, situation.plan, situation.memory, situation.outlook.comes_over)
+    if stop is None or (situation.stop is not None and situation.stop.s < stop.s):
+        return situation, rules
+    if stop.s - situation.snapshot.front < CAUTIOUS_AHEAD_M:  # worth a word
+        rules = rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))
+    return situation._replace(stop=stop), rules
+
+
+def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
+    """Return the orders with those of a turn in several moves: nothing but others' bodies stops it."""
+    begins_or_moves = orders.memory.move is None or abs(snapshot.ego.speed) >= STANDING_SPEED
+    since = snapshot.time if begins_or_moves else orders.memory.progress_time
+    return orders._replace(
+        instruction=Instruction.TURN_ROUND,
+        stop=None,
+        request=turning.request,
+        decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),
+        memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=since),
+    )
+
+
+def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing: LaneChanging) -> Orders:
+    """Return the orders that follow from the behaviour alone."""
+    return Orders(
+        instruction=RULES[behaviour].instruction(situation),
+        stop=situation.stop,
+        request=_request(situation, changing),
+        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation), *_why(changing)),
+        memory=situation.memory._replace(overtaking=None),
+    )
+
+
+def _why(changing: LaneChanging) -> tuple[Decision, ...]:
+    return () if changing.why is None else (changing.why,)
+
+
+def _request(situation: Situation, changing: LaneChanging) -> Request:
+    """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
+    if changing.side or changing.calls_off:
+        return Request(Replanning.CURVE, changing.side)
+    missed = is_missed(situation.snapshot, situation.stop, situation.memory)
+    return Request(Replanning.ROUTE) if missed else Request()
+
+
+def _behind(situation: Situation) -> tuple[Decision, ...]:
+    """Say that the ego follows X, and why X is not passed, if there is reason to: whom or what the simulated pass met."""
+    x, proof = situation.ahead_of_ego, situation.proof
+    if x is None or situation.memory.overtaking is not None or not overtaking.follows_x(situation):
+        return ()
+    if proof is None:
+        return (Decision(Behaviour.NORMAL, Reason.FOLLOWS, cause=x.user.id, passes=True),)
+    if proof.aside is not None:
+        return ()
+    return (Decision(Behaviour.OVERTAKING, Reason.NO_ROOM_TO_PASS, region=proof.obstacle, cause=x.user.id),)
+
+
+def _passing(situation: Situation, orders: Orders) -> Orders:
+    """Return the orders with those of an overtaking that begins or goes on."""
+    under_way = situation.memory.overtaking
+    step = overtaking.carry_on(situation, under_way) if under_way else overtaking.begin(situation)
+    if step is None:
+        return orders
+    reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_id
+    decision = Decision(Behaviour.OVERTAKING, reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
+    stop = orders.stop
+    return orders._replace(
+        instruction=step.overtaking.instruction,
+        stop=None if stop is not None and stop.reason is Reason.BLOCKED else stop,
+        request=Request(Replanning.CURVE, aside=step.aside) if step.replans else orders.request,
+        decisions=(*(d for d in orders.decisions if d.reason is not Reason.BLOCKED), decision),
+        memory=situation.memory._replace(overtaking=step.overtaking),
+        top_speed=step.top_speed,
+    )
+
+
+def _escaping(situation: Situation, orders: Orders) -> Orders:
+    """Return the orders with a way out of a local minimum, if the ego is in one."""
+    way, memory = escape(situation), orders.memory
+    due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    if way is None:
+        return orders._replace(memory=memory._replace(progress_time=situation.snapshot.time)) if due else orders
+    if due:
+        memory = memory._replace(escapes=memory.escapes + 1)
+    return orders._replace(
+        instruction=way.instruction or orders.instruction,
+        stop=way.stop or orders.stop,
+        request=orders.request if orders.request.what is not Replanning.NOTHING else Request(way.replanning),
+        decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
+        memory=memory,
+    )
+
+
+def _completed(
+    situation: Situation,
+    behaviour: Behaviour,
+    orders: Orders,
+    constraints: tuple[TimeConstraint, ...],
+    rules: Rules,
+    slot: str,
+    style: Style,
+) -> CompletedPlan:
+    return CompletedPlan(
+        plan=situation.plan,
+        behaviour=behaviour,
+        instruction=orders.instruction,
+        tuning=_tuning(orders.instruction, style, orders.top_speed),
+        time_constraints=constraints,
+        stop=orders.stop,
+        intent=_intent(orders.stop, situation),
+        decisions=orders.decisions,
+        slot=slot,
+        request=orders.request,
+        sight=_sight(situation, behaviour),
+        assessment=situation.assessment,
+        events=situation.events,
+        regions=rules.regions,
+    )
+
+
+def _tuning(instruction: Instruction, style: Style, top_speed: float) -> Tuning:
+    tuning = (PAPER_TUNINGS if style.paper else TUNINGS)[instruction]
+    return tuning if top_speed == math.inf else replace(tuning, profile=replace(tuning.profile, top_speed=top_speed))
+
+
+def _sight(situation: Situation, behaviour: Behaviour) -> float:
+    """How far to look along the oncoming lane: far while the ego overtakes, or would if it had the gap."""
+    wants = behaviour is Behaviour.OVERTAKING or (overtaking.follows_x(situation) and overtaking.is_legal(situation))
+    return OVERTAKING_SIGHT_M if wants else 0.0
+
+
+def _intent(stop: StopAt | None, situation: Situation) -> Intent:
+    if stop is None:
+        return Intent.DRIVE
+    if stop.reason is Reason.WAIT_FOR_TURN and not _lets_start(stop.cause, situation):
+        return Intent.GO_NEXT
+    return Intent.YIELD
+
+
+def _lets_start(user_id: str, situation: Situation) -> bool:
+    """Whether the ego waits for somebody whose turn it is and who still stands: others wait for who means to go next, and he
+    would wait for the ego. It means to go again shortly before it goes, should he not start."""
+    snapshot = situation.snapshot
+    user = next((foe.user for foe in snapshot.foes if foe.user.id == user_id), None)
+    if user is None or user.speed >= STANDING_SPEED:
+        return False
+    patience = FOE_PATIENCE_S - LEAST_PATIENCE_S
+    return situation.memory.standing_for(snapshot.time) < patience or user.waiting_time < FOE_PATIENCE_S + patience

@@ -1,0 +1,39 @@
+"""The adjusted time constraints of P⁺: shifted by the delay as in the paper, or planned anew (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from sumo_reactive.driver.nouns.completed_plan import Replanning
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.pilot.memory import PilotMemory
+
+_LATE = (EventKind.DELAY, EventKind.CONSTRAINT_MISSED)
+
+
+class Delays(Enum):
+    """What becomes of the time constraints after a delay Δt: all later ones are shifted by it (the paper), or the planner
+    is asked for new ones that recover it where limits allow (the answer that the paper names)."""
+
+    SHIFT = "shift"
+    REPLAN = "replan"
+
+
+def adjusted(
+    snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, events: tuple[Event, ...], delays: Delays
+) -> tuple[tuple[TimeConstraint, ...], Replanning, PilotMemory]:
+    """Return the (l, t_l) ahead, whether the planner is to be asked for new ones, and the delay that is now allowed for."""
+    if memory.premises is None or memory.premises.plan is not plan:
+        memory = memory._replace(constraints=plan.time_constraints, delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
+    replanning = Replanning.NOTHING
+    if any(event.kind in _LATE for event in events):
+        memory = memory._replace(delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
+        if delays is Delays.SHIFT:
+            shifted = tuple(TimeConstraint(c.s, c.time + memory.delay) for c in plan.time_constraints)
+            memory = memory._replace(constraints=shifted)
+        else:
+            replanning = Replanning.TIMES
+    ahead = tuple(constraint for constraint in memory.constraints if constraint.s > snapshot.front)
+    return ahead, replanning, memory

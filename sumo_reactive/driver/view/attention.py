@@ -1,0 +1,201 @@
+"""Where to look: the lanes that matter at a place of the plan, and what a vehicle on each of them may do to the ego."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Conflict
+from sumo_reactive.driver.parameters import (
+    ATTENTION_BEHIND_M,
+    ATTENTION_MIN_AHEAD_M,
+    ATTENTION_TIME_S,
+    SIDE_BY_SIDE_ANGLE,
+)
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+
+class Watch(NamedTuple):
+    """A lane from which a conflict can arise.
+
+    A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`; the region
+    lies from `start` to `end` m behind that line.
+    """
+
+    conflict: Conflict
+    distance: float
+    edges: tuple[str, ...]
+    start: float
+    end: float
+
+
+@kept(4096)
+def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
+    """Return the crossing and merging conflicts on a connection, nearest region first.
+
+    Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
+    drive side by side, and whoever reaches into the ego's corridor is a leader.
+    """
+    own = graph.connections[connection_id]
+    rules = graph.junctions[own.junction_id].right_of_way
+    found = []
+    for region in graph.regions.get(connection_id, ()):
+        other = graph.connections[region.other_id]
+        if region.kind is ConflictKind.DIVERGING:
+            continue
+        yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
+        if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
+            found.append(Conflict(region, other, yields, yielded))
+    return tuple(found)
+
+
+def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:
+    """Whether two paths come from one road and run in about one direction where they meet."""
+    before, beside = graph.lanes.get(own.from_lane), graph.lanes.get(other.from_lane)
+    if before is None or beside is None or before.edge_id != beside.edge_id:
+        return False
+    along = own.path.heading_at(0.5 * (region.own.start + region.own.end))
+    across = other.path.heading_at(0.5 * (region.other.start + region.other.end))
+    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
+
+
+@kept(4096)
+def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch, ...]]:
+    """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
+    table: dict[str, list[Watch]] = {}
+    for conflict in conflicts_of(graph, connection_id):
+        behind, region = 0.0, (conflict.region.other.start, conflict.region.other.end)
+        for part in conflict.other.parts:
+            table.setdefault(part, []).append(Watch(conflict, -behind, (), *region))
+            behind += graph.lanes[part].spine.length
+        table.setdefault(conflict.other.to_lane, []).append(Watch(conflict, -behind, (), *region))
+        for approach in graph.approaches.get(conflict.other.id, ()):
+            table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges, *region))
+    return {lane: tuple(entries) for lane, entries in table.items()}
+
+
+@kept(4096)
+def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
+    """Return every lane to look at while passing a junction: inside, before, behind, and where foes come from."""
+    junction = graph.junctions[graph.connections[connection_id].junction_id]
+    lanes: dict[str, None] = {}
+    for connection in junction.connections:
+        for lane in (*connection.parts, connection.from_lane, connection.to_lane):
+            if lane in graph.lanes:
+                lanes[lane] = None
+    for lane in watches_of(graph, connection_id):
+        lanes[lane] = None
+    return tuple(lanes)
+
+
+@kept(1024)
+def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
+    """Return, by lane id, the arc length at which lanes before and behind `lane_id` start on its own axis (m).
+
+    The axis runs through the lane's predecessors, `ATTENTION_BEHIND_M` back, and through its successors as far ahead.
+    """
+    lane = graph.lanes[lane_id]
+    axis = {lane_id: 0.0}
+    queue = [(lane_id, 0.0)]
+    while queue:
+        here, start = queue.pop()
+        for connection in graph.incoming.get(here, ()):
+            at = start
+            for part in reversed(connection.parts):
+                at -= graph.lanes[part].spine.length
+                axis.setdefault(part, at)
+            before = connection.from_lane
+            if before in graph.lanes and before not in axis:
+                axis[before] = at - graph.lanes[before].spine.length
+                if at > -ATTENTION_BEHIND_M:
+                    queue.append((before, axis[before]))
+    queue = [(lane_id, lane.spine.length)]
+    while queue:
+        here, end = queue.pop()
+        for connection in graph.outgoing.get(here, ()):
+            at = end
+            for part in connection.parts:
+                axis.setdefault(part, at)
+                at += graph.lanes[part].spine.length
+            behind = connection.to_lane
+            if behind in graph.lanes and behind not in axis:
+                axis[behind] = at
+                if at < lane.spine.length + ATTENTION_BEHIND_M:
+                    queue.append((behind, at + graph.lanes[behind].spine.length))
+    return axis
+
+
+def in_sight(plan: NominalPlan, front: float, speed: float) -> tuple[int, ...]:
+    """Return the indices of the passages that matter with the front bumper at `front` (m) and `speed` (m/s)."""
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    behind, found = front - ATTENTION_MIN_AHEAD_M / 3, []
+    for i, passage in enumerate(plan.passages):  # in order along C
+        if passage.start > reach:
+            break
+        if passage.end >= behind:
+            found.append(i)
+    return tuple(found)
+
+
+def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
+    """Return the next lane change that has not ended."""
+    return next((change for change in plan.lane_changes if change.end > front), None)
+
+
+def lane_sought(graph: RoadGraph, plan: NominalPlan, front: float) -> str:
+    """Return the lane that the ego would enter if it made the next change here, if it may be made already; empty: none.
+
+    Where C makes the change on a later road, that is the lane beside its own, which leads to the same place; inside a
+    junction, that on the road behind.
+    """
+    change = next_change(plan, front) if plan.lane_changes else None
+    if change is None or change.opens > front:
+        return ""
+    ahead = (segment for segment in plan.segments if segment.end > front)
+    here = next((segment for segment in ahead if not graph.lanes[segment.lane_id].is_internal), None)
+    if here is None or graph.lanes[here.lane_id].edge_id == graph.lanes[change.to_lane].edge_id:
+        return change.to_lane
+    left, right = graph.neighbours(here.lane_id)
+    beside = left if change.side > 0 else right
+    return change.to_lane if beside is None else beside.id
+
+
+def place_beside(graph: RoadGraph, plan: NominalPlan, lane_id: str, front: float, x: float, y: float) -> float:
+    """Return the arc length (m) on a lane beside C of the front bumper, which is at `x`, `y` (m) and at `front` on C.
+
+    It is negative by the way along C that is still to go to the lane's road.
+    """
+    lane = graph.lanes[lane_id]
+    segments = (segment for segment in plan.segments if segment.end > front)
+    there = next((segment for segment in segments if graph.lanes[segment.lane_id].edge_id == lane.edge_id), None)
+    if there is not None and there.start > front:
+        return there.lane_offset - (there.start - front)
+    return lane.spine.project(x, y)[0]
+
+
+def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float = 0.0) -> tuple[str, ...]:
+    """Return the ids of the lanes whose users matter now, each once; `sight` (m): how far to look at the own road."""
+    lanes: dict[str, None] = {}
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    for segment in plan.segments:
+        if segment.start <= max(reach, front + sight) and segment.end >= front - ATTENTION_BEHIND_M:
+            lanes.update(dict.fromkeys(_edge_lanes(graph, segment.lane_id)))
+    for i in in_sight(plan, front, speed):
+        lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
+    change = next_change(plan, front)
+    if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
+        lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
+    return tuple(lanes)
+
+
+def _edge_lanes(graph: RoadGraph, lane_id: str) -> Iterator[str]:
+    lane = graph.lanes[lane_id]
+    for beside in graph.edge_lanes.get(lane.edge_id, (lane,)):
+        yield beside.id
+    for beside in graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ()):
+        yield beside.id

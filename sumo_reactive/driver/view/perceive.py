@@ -1,0 +1,160 @@
+"""From what is observed to what it means along C: one snapshot per step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from struct import pack_into
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Neighbour, PathObstacle, Snapshot
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.parameters import (
+    ATTENTION_MIN_AHEAD_M,
+    ATTENTION_TIME_S,
+    MEETING_FORESEEN_S,
+    MEETING_STEP_S,
+    PROJECTION_WINDOW_M,
+    TURN_FORESEEN_S,
+)
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.abreast import ahead_at_narrows, narrows_of
+from sumo_reactive.driver.view.attention import in_sight, lane_axis, lane_sought, place_beside
+from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes
+from sumo_reactive.driver.view.cuts import next_cut
+from sumo_reactive.driver.view.foes import foes_of
+from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
+from sumo_reactive.driver.view.leaders import FASTER, comes_towards, leaders, time_to_meet
+from sumo_reactive.driver.view.static import static_near
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+Array = NDArray[np.float64]
+
+_NO_BOXES: Array = np.empty((0, 6))
+
+
+def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
+    """Return control point F, the front axle's middle (m)."""
+    p = ego.pose
+    return p.x + limits.wheelbase * math.cos(p.heading), p.y + limits.wheelbase * math.sin(p.heading)
+
+
+def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
+    """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
+    curve, (x, y) = plan.curve, front_axle(ego, limits)
+    return project_on_curve(x, y, curve.x, curve.y, curve.step, s_before, PROJECTION_WINDOW_M)
+
+
+def perceive(
+    traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float,
+    vehicle_class: str = "passenger", d_before: float | None = None, *, looks_for_foes: bool = True,
+) -> Snapshot:  # fmt: skip
+    """Relate `traffic` to the plan: who stands in the corridor, who can reach which region, who drives beside.
+
+    `s_before` is the ego's last known arc length on C (m); with `d_before`, how far left of C its front axle is (m), it has
+    just been found. Its `vehicle_class` tells what is open to it. A pilot whose decision rests on no foe does not look for
+    any.
+    """
+    s, d = locate(ego, plan, limits, s_before) if d_before is None else (s_before, d_before)
+    front = s + limits.front_overhang
+    boxes = _boxes(traffic.users)
+    on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
+    sight = in_sight(plan, front, ego.speed)
+    foes = foes_of(traffic, plan, graph, sight) if looks_for_foes else ()
+    sought = lane_sought(graph, plan, front)
+    cut = None if sought else next_cut(plan, graph, limits, s, front)
+    beside = cut.lane_id if cut else sought
+    neighbours = tuple(_neighbours(traffic.users, beside, plan, graph, ego, front, limits)) if beside else ()
+    near = _near(traffic.users, boxes, graph, ego, limits)
+    static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
+    narrows = narrows_of(plan, graph, limits)
+    met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
+    behind = tuple(leaders(met, front, ego.speed, limits))
+    if narrows:
+        near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
+        behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
+    lights = traffic.lights
+    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
+
+
+def _boxes(users: tuple[RoadUser, ...]) -> Array:
+    """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
+    if not users:
+        return _NO_BOXES
+    flat: list[float] = []
+    for user in users:
+        body = user.body
+        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width)
+    packed = bytearray(8 * len(flat))
+    pack_into(f"{len(flat)}d", packed, 0, *flat)
+    return np.frombuffer(packed).reshape(-1, 6)
+
+
+def _near(
+    users: tuple[RoadUser, ...], boxes: Array, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
+) -> Array:
+    """Return the boxes (m, 8) of those of `users` who are near; who cannot be touched within the foreseen time has no turn
+    rate, and no end of his way."""
+    pose = ego.pose
+    near, touchable = near_boxes(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length)
+    for row, k in touchable.tolist():
+        user = users[k]
+        if not user.body.is_person:
+            near[row, 6], near[row, 7] = turn_rate(graph, user, TURN_FORESEEN_S), way_left(graph, user)
+    return near
+
+
+def _on_path(
+    users: tuple[RoadUser, ...], boxes: Array, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
+) -> list[PathObstacle]:
+    curve = plan.curve
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    band = band_of(curve, limits)
+    blocking, stretches = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, *band)
+    if not len(blocking):
+        return []
+    pairs = zip(blocking.tolist(), stretches.tolist(), strict=True)
+    return [PathObstacle(users[k], *stretch) for k, stretch in pairs]
+
+
+def _passes_by(
+    obstacle: PathObstacle, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, front: float, speed: float
+) -> bool:
+    """Whether somebody who comes towards the ego or crosses will soon have left its corridor: before they meet there, and
+    whether he goes on along his lane, wherever it leads, or straight on.
+
+    Who comes towards the ego at first may be in its corridor nearer to it then, but out of it before it comes there.
+    """
+    user, time = obstacle.user, time_to_meet(obstacle, front, speed)
+    if time > MEETING_FORESEEN_S or user.body.is_person:
+        return False
+    curve, behind = plan.curve, max(front - limits.length, 0.0)
+    band, own = band_of(curve, limits), speed + FASTER
+    while time <= MEETING_FORESEEN_S:
+        boxes = np.array(places_after(graph, user, time))
+        _, stretches = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, behind, obstacle.end, *band)
+        if not len(stretches):
+            return True
+        gap = float(stretches[:, 0].min()) - front - own * time
+        if gap <= 0.0 or not comes_towards(obstacle):
+            return False
+        time += max(gap / (own + user.speed), MEETING_STEP_S)
+    return False
+
+
+def _neighbours(
+    users: tuple[RoadUser, ...], lane_id: str, plan: NominalPlan, graph: RoadGraph, ego: VehicleState, front: float,
+    limits: VehicleLimits,
+) -> Iterator[Neighbour]:  # fmt: skip
+    axis = lane_axis(graph, lane_id)
+    p, reach = ego.pose, limits.front_to_rear_axle
+    own = place_beside(graph, plan, lane_id, front, p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading))
+    for user in users:
+        start = axis.get(user.lane_id)
+        if start is not None:
+            yield Neighbour(user, start + user.lane_position - own)

@@ -1,0 +1,89 @@
+"""Junctions and the connections that lead through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.geometry.polyline import Points, Polyline
+from sumo_reactive.driver.world.right_of_way import RightOfWay
+
+
+class Turn(Enum):
+    """Direction of a connection."""
+
+    STRAIGHT = "straight"
+    LEFT = "left"
+    RIGHT = "right"
+    AROUND = "around"
+
+
+class Control(Enum):
+    """How a connection is regulated when no light speaks."""
+
+    MAJOR = "major"
+    MINOR = "minor"
+    EQUAL = "equal"  # right before left
+    STOP = "stop"
+    ALL_WAY_STOP = "all-way stop"
+    ZIPPER = "zipper"
+    LIGHT = "light"
+    OFF = "light off"
+    DEAD_END = "dead end"
+
+
+@dataclass(frozen=True)
+class LightLink:
+    """The signal that a connection obeys: a traffic light's id and the index of its letter."""
+
+    light_id: str
+    index: int
+
+
+@dataclass(frozen=True, eq=False)
+class Connection:
+    """A way from one lane to another through a junction.
+
+    `index` is its row in the junction's `RightOfWay` (-1: none). `parts` are the internal lanes in driving order (two or
+    more for a turn that may wait inside), `path` their joined centre line; arc length on it starts at the stop line.
+    `wait_at` is the arc length of the place inside the junction where a turn may wait, or None. `width` is the narrowest
+    internal lane's, m. `heights` (n,) are the elevations of the path's points, m; None in a flat network. `tail` (k, 2)
+    is where the lane behind goes on inside the junction's outline or over the approach of another road, None if it does
+    not. `hold_back` (m) is how far before the stop line a body must stop so as not to stand in others' way, `head` (k, 2)
+    that part of the approach lane, None if there is none. A pedestrian crossing (`is_crossing`) joins two walking areas
+    and is used both ways.
+    """
+
+    id: str
+    junction_id: str
+    index: int
+    from_lane: str
+    to_lane: str
+    parts: tuple[str, ...]
+    path: Polyline
+    turn: Turn
+    control: Control
+    light: LightLink | None = None
+    wait_at: float | None = None
+    keep_clear: bool = True
+    is_crossing: bool = False
+    width: float = 3.2
+    speed_limit: float = 13.89
+    heights: NDArray[np.float64] | None = None
+    tail: Points | None = None
+    hold_back: float = 0.0
+    head: Points | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Junction:
+    """A junction: its kind as SUMO's network names it, outline (n, 2), connections in order of their index."""
+
+    id: str
+    kind: str
+    outline: Points
+    connections: tuple[Connection, ...]
+    right_of_way: RightOfWay

@@ -1,0 +1,154 @@
+"""A store as a file that somebody else may have written: its tables, how it is opened, and what it may not hold."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import duckdb
+
+from sumo_reactive.errors import InputError, StoreError
+from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.process.driver import Driver
+from sumo_reactive.lab.process.task import Ending
+from sumo_reactive.lab.sealed import opened, require_regular
+
+VERSION = 1
+"""Version of the tables below; a store of another is refused."""
+
+_TABLES = """
+CREATE TABLE store (version INTEGER);
+CREATE TABLE plan (key VARCHAR PRIMARY KEY, number INTEGER);
+CREATE TABLE shown (name VARCHAR, number INTEGER);
+CREATE TABLE trials (
+    key VARCHAR PRIMARY KEY, scenario VARCHAR, ego VARCHAR, seed INTEGER, driver VARCHAR, parameters JSON, options JSON,
+    ending VARCHAR, reason VARCHAR, verdict VARCHAR, attempts INTEGER, departure_s DOUBLE, wall_s DOUBLE,
+    trajectory VARCHAR, replay VARCHAR, versions JSON, finished TIMESTAMP
+);
+CREATE TABLE metrics (key VARCHAR, name VARCHAR, value DOUBLE, PRIMARY KEY (key, name));
+CREATE TABLE events (key VARCHAR, time_s DOUBLE, kind VARCHAR, user_id VARCHAR, lane_id VARCHAR, entry JSON);
+CREATE TABLE departures (scouting VARCHAR, vehicle_id VARCHAR, depart_s DOUBLE, length_m DOUBLE);
+"""
+
+MAX_LETTERS = 100_000
+"""No name, command or reason is longer."""
+
+MAX_VALUE = 1e12
+"""No figure is larger; with more, means overflow."""
+
+_SHAPE = "SELECT table_name, sql FROM duckdb_tables() WHERE schema_name = 'main' AND NOT temporary AND NOT internal"
+_FOREIGN = """
+SELECT 'view', view_name FROM duckdb_views() WHERE NOT internal
+UNION ALL SELECT 'function', function_name FROM duckdb_functions() WHERE NOT internal
+UNION ALL SELECT 'type', type_name FROM duckdb_types() WHERE NOT internal
+"""
+
+
+def _words(values: Iterable[str]) -> str:
+    return ", ".join(f"'{value}'" for value in values)
+
+
+_TEXTS = ("key", "scenario", "driver", "parameters", "options", "ending", "reason", "replay")
+_WRONG = {
+    "plan": "number IS NULL",
+    "shown": f"number IS NULL OR name IS NULL OR name NOT IN ({_words(METRICS)})",
+    "trials": " OR ".join(
+        [
+            *(f"{name} IS NULL OR length({name}) > {MAX_LETTERS}" for name in _TEXTS),
+            *(f"length({name}) > {MAX_LETTERS}" for name in ("ego", "verdict", "trajectory")),
+            *(f"NOT json_valid({name}) OR json_type({name}) <> 'OBJECT'" for name in ("parameters", "options")),
+            f"driver NOT IN ({_words(driver.value for driver in Driver)})",
+            f"ending NOT IN ({_words(ending.value for ending in Ending)})",
+            "seed IS NULL",
+        ]
+    ),
+    "metrics": f"NOT abs(value) <= {MAX_VALUE} OR length(name) > {MAX_LETTERS}",
+    "departures": f"coalesce(vehicle_id, '') = '' OR NOT coalesce(abs(depart_s) + abs(length_m), 'nan') <= {MAX_VALUE}",
+}
+"""Rows that no batch writes, by table."""
+
+
+def connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
+    """Open a store; a new one is made if `read_only` does not hold. Raises StoreError for whatever else there is."""
+    is_new = not os.path.lexists(path)
+    if is_new and read_only:
+        raise StoreError(f"{path}: no such file")
+    with told(path):
+        for file in () if is_new else (path, path.with_name(f"{path.name}.wal")):
+            if file == path or os.path.lexists(file):
+                require_regular(file)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        database = opened(path, read_only=read_only, files=files)
+    try:
+        with told(path):
+            _require_no_code(path, database)
+            if is_new or (not read_only and not database.execute(_SHAPE).fetchall()):
+                database.execute(f"BEGIN; {_TABLES} INSERT INTO store VALUES ({VERSION}); COMMIT")
+            _require_version(path, database)
+            _require_tables(path, database)
+            _require_values(path, database)
+    except BaseException:
+        database.close()
+        raise
+    return database
+
+
+@contextmanager
+def told(path: Path) -> Iterator[None]:
+    """Turn an error of DuckDB, and what it cannot hand over, into one line."""
+    try:
+        yield
+    except StoreError:
+        raise
+    except InputError as error:
+        raise StoreError(str(error)) from error
+    except (duckdb.Error, OSError, MemoryError, OverflowError, ValueError) as error:
+        raise StoreError(f"{path}: {_line_of(str(error))}") from error
+
+
+def _line_of(message: str) -> str:
+    first = " ".join(message.splitlines()[0].split()) if message else "unknown error"
+    if holder := re.search(r"lock is held.*?\(PID (\d+)\)", message):
+        return f"in use by process {holder[1]}: one batch at a time writes to a store"
+    if re.search(r"No space left|Disk quota|File too large|disk is full", message, re.IGNORECASE):
+        return f"no room to write: {first}; make room and run the batch again, finished trials are kept"
+    if "not a valid DuckDB" in message:
+        return "not the store of an experiment"
+    return f"cannot be used: {first}"
+
+
+def _require_no_code(path: Path, database: duckdb.DuckDBPyConnection) -> None:
+    """A view in place of a table, or a function in place of DuckDB's own, would be run by whoever reads the store."""
+    found = database.execute(_FOREIGN).fetchone()
+    if found is not None:
+        raise StoreError(f"{path}: holds a {found[0]} '{found[1][:80]}': a store holds tables alone")
+
+
+def _require_version(path: Path, database: duckdb.DuckDBPyConnection) -> None:
+    try:
+        rows = database.execute("SELECT version::VARCHAR FROM store LIMIT 2").fetchall()
+    except (duckdb.CatalogException, duckdb.BinderException) as error:
+        raise StoreError(f"{path}: a DuckDB file, but not the store of an experiment") from error
+    if rows != [(str(VERSION),)]:
+        found = str(rows[0][0])[:20] if rows else "unknown"
+        raise StoreError(f"{path}: a store of version {found}, this release reads and writes version {VERSION}")
+
+
+def _require_tables(path: Path, database: duckdb.DuckDBPyConnection) -> None:
+    with duckdb.connect() as fresh:
+        wanted = dict(fresh.execute(f"{_TABLES} {_SHAPE}").fetchall())
+    found = dict(database.execute(_SHAPE).fetchall())
+    for name, columns in wanted.items():
+        if name not in found:
+            raise StoreError(f"{path}: a damaged store: it has no table '{name}'")
+        if found[name] != columns:
+            raise StoreError(f"{path}: a damaged store: the columns of '{name}' are not those of version {VERSION}")
+
+
+def _require_values(path: Path, database: duckdb.DuckDBPyConnection) -> None:
+    for table, wrong in _WRONG.items():
+        if database.execute(f"SELECT 1 FROM {table} WHERE {wrong} LIMIT 1").fetchone():
+            raise StoreError(f"{path}: a damaged store: '{table}' has a row that no batch writes")

@@ -1,0 +1,210 @@
+"""The same trips with the same seeds under SUMO's own driver and under this project's: paired differences."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
+from sumo_reactive.lab.comparison.statistics import PairedDifference, paired_difference
+from sumo_reactive.lab.metric_names import OTHERS
+from sumo_reactive.lab.process.driver import Driver
+from sumo_reactive.lab.process.runner import Ending, Outcome, Task, run_all
+from sumo_reactive.lab.process.scratch import scratch
+from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
+from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
+
+EGO_METRICS = (
+    "arrived", "duration_s", "time_loss_s", "distance_m", "collisions", "min_time_to_collision_s",
+    "min_post_encroachment_s", "hard_braking_caused", "max_acceleration_m_s2", "max_braking_m_s2",
+    "max_lateral_acceleration_m_s2", "rms_jerk_m_s3", "standstill_s",
+)  # fmt: skip
+"""What the same judges say of both drivers."""
+
+WHATEVER_THE_END = ("arrived", "collisions")
+"""The others are compared only where the ego has arrived with both drivers."""
+
+OTHERS_METRICS = tuple(OTHERS)
+
+Number = float | int | None
+
+
+@dataclass(frozen=True)
+class Side:
+    """One driver's run of a trip: what became of it, and what it did to the others (None: it did not get to its end)."""
+
+    outcome: Outcome
+    effects: NetworkEffects | None
+
+    @property
+    def result(self) -> TrialResult | None:
+        """The judged trial, if it got to its end."""
+        return self.outcome.result
+
+    @property
+    def verdict(self) -> str:
+        """What the run came to, in a line."""
+        return self.result.verdict if self.result else f"{self.outcome.ending.value}: {self.outcome.reason}"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A trip with a seed under both drivers; `scenario` as asked for, without what the comparison adds."""
+
+    scenario: Scenario
+    sumo: Side
+    reactive: Side
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether both runs got to their end."""
+        return self.sumo.effects is not None and self.reactive.effects is not None
+
+    @property
+    def ego(self) -> str:
+        """The ego's id, as chosen where nobody named one."""
+        found = self.sumo.result or self.reactive.result
+        return found.ego if found else self.scenario.ego or ""
+
+    @property
+    def metrics(self) -> dict[str, tuple[Number, Number]]:
+        """Every metric of the comparison by name: SUMO's own driver's, this project's; None where there is none."""
+        theirs, ours = self._values()
+        return {name: (theirs.get(name), ours.get(name)) for name in (*EGO_METRICS, *OTHERS_METRICS)}
+
+    def _values(self) -> tuple[dict[str, Number], dict[str, Number]]:
+        one, other = self.sumo, self.reactive
+        theirs: dict[str, Number] = dict(one.result.metrics) if one.result else {}
+        ours: dict[str, Number] = dict(other.result.metrics) if other.result else {}
+        theirs.update(one.effects.figures if one.effects else {})
+        ours.update(other.effects.figures if other.effects else {})
+        if one.effects and other.effects:
+            their_means, our_means = means_over_both(one.effects, other.effects)
+            theirs.update(their_means)
+            ours.update(our_means)
+        return theirs, ours
+
+    def of(self, metric: str) -> tuple[float, float] | None:
+        """Return both values of a metric where they can be compared."""
+        theirs, ours = self.metrics[metric]
+        if not self.is_driven or theirs is None or ours is None:
+            return None
+        is_of_trip = metric in EGO_METRICS and metric not in WHATEVER_THE_END
+        if is_of_trip and self.metrics["arrived"] != (1, 1):
+            return None
+        return float(theirs), float(ours)
+
+    @property
+    def plain_sumo(self) -> str:
+        """The command that makes the baseline with plain `sumo`; its `tripinfo` of the ego holds the baseline's numbers."""
+        config = read_config(self.scenario.config)
+        length = chosen_step_length(config, self.scenario.step_length_s)
+        arguments, _ = sumo_arguments(
+            config, config.path, seed=self.scenario.seed, step_length_s=length, sumo_options=self.scenario.sumo_options
+        )
+        return shlex.join(["sumo", *arguments, "--tripinfo-output", "tripinfo.xml"])
+
+    @property
+    def replay(self) -> str:
+        """The command that drives the trip again under this project's driver."""
+        asked, options = self.scenario, ["--", *self.scenario.sumo_options] if self.scenario.sumo_options else []
+        step = [] if asked.step_length_s is None else ["--step-length", f"{asked.step_length_s:g}"]
+        words = ["sumo-reactive", "run", str(asked.source), "--ego", self.ego, "--seed", str(asked.seed), *step]
+        return shlex.join([*words, *options])
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All pairs, with the window after each ego's departure (s) in which the others were looked at."""
+
+    pairs: tuple[Pair, ...]
+    horizon_s: float
+
+    @property
+    def differences(self) -> dict[str, PairedDifference]:
+        """Every metric that at least one pair has, in order: means and their paired difference, ours − SUMO's."""
+        found = {}
+        for name in (*EGO_METRICS, *OTHERS_METRICS):
+            values = [value for pair in self.pairs if (value := pair.of(name)) is not None]
+            if (difference := paired_difference(values)) is not None:
+                found[name] = difference
+        return found
+
+    @property
+    def failed(self) -> tuple[Pair, ...]:
+        """The pairs of which a run did not get to its end."""
+        return tuple(pair for pair in self.pairs if not pair.is_driven)
+
+    @property
+    def exit_code(self) -> int:
+        """0: both drivers have driven every trip; else 1."""
+        return 1 if self.failed else 0
+
+
+def compare(
+    scenarios: Sequence[Scenario],
+    *,
+    horizon_s: float,
+    jobs: int,
+    wall_limit_s: float,
+    progress: Callable[[Outcome], None] | None = None,
+) -> Comparison:
+    """Let both drivers drive each scenario in processes of their own, `jobs` at a time.
+
+    Both runs go on until `horizon_s` after the ego's departure, or the scenario's end if that is earlier. Raises
+    ScenarioError for what cannot be run at all.
+    """
+    with scratch() as folder:
+        runs = [
+            (driver, scenario, Outputs(folder, f"{k}_{driver.value}_"))
+            for k, scenario in enumerate(scenarios)
+            for driver in (Driver.SUMO, Driver.REACTIVE)
+        ]
+        tasks = [_task(scenario, driver, outputs, horizon_s) for driver, scenario, outputs in runs]
+        outcomes = run_all(tasks, jobs, wall_limit_s, progress, folder)
+        sides = [_side(outcome, run[2]) for outcome, run in zip(outcomes, runs, strict=True)]
+    if all(side.outcome.ending is Ending.FAILED for side in sides):
+        raise ScenarioError(sides[0].outcome.reason)
+    pairs = zip(scenarios, sides[::2], sides[1::2], strict=True)
+    return Comparison(tuple(Pair(scenario, sumo, reactive) for scenario, sumo, reactive in pairs), horizon_s)
+
+
+def _task(scenario: Scenario, driver: Driver, outputs: Outputs, horizon_s: float) -> Task:
+    """Return the run of a scenario that goes on for the others, and writes what tells of them."""
+    config = read_config(scenario.config)
+    ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
+    options = outputs.options(config)
+    _require_free(scenario, options)
+    added = (word for name, value in options.items() for word in (f"--{name}", value))
+    asked = replace(
+        scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True,
+        sumo_options=(*scenario.sumo_options, *added),
+    )  # fmt: skip
+    return Task(asked, driver, scenario.parameters)
+
+
+def _require_free(scenario: Scenario, ours: Mapping[str, str]) -> None:
+    """Raise ScenarioError if the user asks for an output, which several runs would write to at once."""
+    given = [option.lstrip("-").partition("=")[0] for option in scenario.sumo_options if option.startswith("-")]
+    for name in given:
+        if canonical(name) in ours or canonical(name) in OUTPUT_FILES:
+            raise ScenarioError(f"{scenario.source}: SUMO option '{name}' cannot be given: a comparison makes several runs")
+
+
+def _side(outcome: Outcome, outputs: Outputs) -> Side:
+    """Return a run with its effects on the others, and remove what it has written."""
+    result = outcome.result
+    effects = effects_of(outputs, result.ego, int(result.figures.get("teleports") or 0)) if result else None
+    for file in _files(outputs):
+        file.unlink(missing_ok=True)
+    return Side(outcome, effects)
+
+
+def _files(outputs: Outputs) -> Iterator[Path]:
+    yield from (outputs.trips, outputs.totals, outputs.contacts)

@@ -1,0 +1,158 @@
+"""A comparison as lines for people, and as `comparison.json` and `comparison.csv` in a folder."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from io import StringIO
+from pathlib import Path
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.comparison.comparison import Comparison, Number, Pair, Side
+from sumo_reactive.lab.comparison.statistics import CONFIDENCE, RESAMPLES, Interval, PairedDifference
+from sumo_reactive.lab.metric_names import EVERY
+from sumo_reactive.writing import require_writable, whole_folder
+
+JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
+
+HEAD = ("", "n", "SUMO's own", "this driver", "difference", f"{100 * CONFIDENCE:g} % interval")
+"""Titles of the columns of `rows_of`."""
+
+NO_INTERVAL = "none: n = 1"
+MAX_DIGITS = 6
+FEW = 10
+"""Resampling fewer pairs than this shows too little of how much they vary."""
+
+Row = tuple[str, ...]
+
+
+def rows_of(comparison: Comparison) -> list[Row]:
+    """Return a row for each metric that can be compared: label, n, both means, difference and its interval."""
+    return [_row(name, found) for name, found in comparison.differences.items()]
+
+
+def _row(name: str, found: PairedDifference) -> Row:
+    first, second, difference = _text(found.first), _text(found.second), _signed(found.difference)
+    return EVERY[name].title, str(found.n), first, second, difference, _limits(found.interval)
+
+
+def _limits(interval: Interval | None) -> str:
+    return NO_INTERVAL if interval is None else f"{_signed(interval.low)} … {_signed(interval.high)}"
+
+
+def _text(value: float) -> str:
+    """Return a number with the digits that count: two after the comma, fewer of a large one, more of a small one."""
+    if value == round(value):
+        return f"{value:.0f}"
+    magnitude = math.floor(math.log10(abs(value)))
+    digits = 1 - magnitude if magnitude < 0 else 3 - max(1, magnitude)
+    return f"{value:.{min(MAX_DIGITS, max(0, digits))}f}"
+
+
+def _signed(value: float) -> str:
+    value = round(value, MAX_DIGITS)
+    return f"+{_text(value)}" if value > 0.0 else _text(value + 0.0)
+
+
+def notes_of(comparison: Comparison) -> list[str]:
+    """Return how the numbers are to be read, and every pair that a run failed in or whose ego did not arrive cleanly."""
+    methods = {found.interval.method for found in comparison.differences.values() if found.interval}
+    notes = []
+    if methods:
+        how = f"bootstrap ({', '.join(sorted(methods))}, {RESAMPLES} resamples) over the pairs"
+        notes.append(f"Means over n pairs, this driver − SUMO's own; intervals of the mean difference: {how}.")
+        if any(found.n < FEW for found in comparison.differences.values()):
+            notes.append(f"Fewer than {FEW} pairs: such intervals tend to be too narrow.")
+    elif comparison.differences:
+        notes.append("One pair has no interval: give several egos or seeds.")
+    return notes + [line for pair in comparison.pairs for line in _told(pair)]
+
+
+def _told(pair: Pair) -> list[str]:
+    name = f"{pair.ego} seed {pair.scenario.seed}"
+    sides = (("SUMO's own driver", pair.sumo), ("this driver", pair.reactive))
+    faulty = [f"{name}, {who}: {side.verdict}" for who, side in sides if not _is_clean(side)]
+    return [*faulty, f"  {pair.replay}"] if not _is_clean(pair.reactive) else faulty
+
+
+def _is_clean(side: Side) -> bool:
+    return side.result is not None and side.result.exit_code == 0
+
+
+def data_of(comparison: Comparison) -> dict[str, object]:
+    """Return `comparison.json` as a dictionary: units in the keys, null for what there is not."""
+    return {
+        "confidence": CONFIDENCE,
+        "resamples": RESAMPLES,
+        "horizon_s": comparison.horizon_s,
+        "pairs_driven": len(comparison.pairs) - len(comparison.failed),
+        "metrics": {name: _difference(found) for name, found in comparison.differences.items()},
+        "pairs": [_pair(pair) for pair in comparison.pairs],
+        "versions": next((dict(p.reactive.result.versions) for p in comparison.pairs if p.reactive.result), {}),
+    }
+
+
+def _difference(found: PairedDifference) -> dict[str, object]:
+    interval = found.interval
+    return {
+        "n": found.n,
+        "sumo": found.first,
+        "reactive": found.second,
+        "difference": found.difference,
+        "low": interval.low if interval else None,
+        "high": interval.high if interval else None,
+        "method": interval.method if interval else None,
+    }
+
+
+def _pair(pair: Pair) -> dict[str, object]:
+    asked = pair.scenario
+    return {
+        "scenario": str(asked.source),
+        "ego": pair.ego,
+        "seed": asked.seed,
+        "sumo": _side(pair.sumo) | {"command": pair.plain_sumo},
+        "reactive": _side(pair.reactive) | {"command": pair.replay},
+        "metrics": {name: {"sumo": one, "reactive": other} for name, (one, other) in pair.metrics.items()},
+    }
+
+
+def _side(side: Side) -> dict[str, object]:
+    result = side.result
+    told: dict[str, object] = {"ending": side.outcome.ending.value, "verdict": side.verdict}
+    if result is None:
+        return told
+    return told | {"departure_s": result.departure_s, "end_s": result.end_s, "figures": result.metrics}
+
+
+def csv_of(comparison: Comparison) -> str:
+    """Return `comparison.csv`: a line for each metric of each pair, empty cells for what there is not."""
+    text = StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow(("scenario", "ego", "seed", "metric", "sumo", "reactive", "compared"))
+    for pair in comparison.pairs:
+        for name, (one, other) in pair.metrics.items():
+            is_compared = int(pair.of(name) is not None)
+            lines.writerow((pair.scenario.source, pair.ego, pair.scenario.seed, name, _cell(one), _cell(other), is_compared))
+    return text.getvalue()
+
+
+def _cell(value: Number) -> Number | str:
+    return "" if value is None else value
+
+
+def require_usable(folder: Path, overwrite: bool) -> None:
+    """Raise OutputError if the folder cannot be written to, ScenarioError if its comparison may not be replaced."""
+    require_writable(folder, is_folder=True)
+    found = [name for name in (JSON_FILE, CSV_FILE) if (folder / name).exists()]
+    if found and not overwrite:
+        raise ScenarioError(f"{folder}: holds another comparison ({', '.join(found)}); use --overwrite or another folder")
+
+
+def write(comparison: Comparison, folder: Path) -> None:
+    """Write both files, or none; raise OutputError if that cannot be done."""
+    data = json.dumps(data_of(comparison), indent=2, ensure_ascii=False, allow_nan=False)
+    with whole_folder(folder, JSON_FILE) as partial:
+        (partial / CSV_FILE).write_text(csv_of(comparison), encoding="utf-8", errors="backslashreplace")
+        (partial / JSON_FILE).write_text(data + "\n", encoding="utf-8", errors="backslashreplace")

@@ -1,0 +1,133 @@
+"""Every figure of a trial and of a comparison, once: its key, what people read in place of it, its unit, what it means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sumo_reactive.driver.nouns.event import EventKind
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """One figure: `key` in files and queries, `label` and `unit` (empty: none) for people, `meaning` in a line.
+
+    `digits` are those after the point of a single value; None: it is a count, or 1 for yes and 0 for no, and `one` is what
+    one of those counted is called.
+    """
+
+    key: str
+    label: str
+    unit: str
+    meaning: str
+    digits: int | None = 2
+    one: str = ""
+
+    @property
+    def is_count(self) -> bool:
+        """Whether it counts something, or says yes (1) or no (0)."""
+        return self.digits is None
+
+    @property
+    def title(self) -> str:
+        """The title of a column or an axis."""
+        return f"{self.label} ({self.unit})" if self.unit else self.label
+
+    def text(self, value: float | None) -> str:
+        """Return a value with its unit; None: there is none."""
+        if value is None:
+            return "none"
+        number = f"{value:.0f}" if self.digits is None else f"{value:.{self.digits}f}"
+        return f"{number} {self.unit}".rstrip()
+
+    def counted(self, count: int) -> str:
+        """Return how many there are: "1 emergency", "2 emergencies"."""
+        return f"{count} {self.one if count == 1 else self.label}"
+
+
+def event_key(kind: EventKind) -> str:
+    """Return the key of the figure that counts a kind of event."""
+    return f"events_{kind.name.lower()}"
+
+
+def _by_key(*metrics: Metric) -> dict[str, Metric]:
+    return {metric.key: metric for metric in metrics}
+
+
+_EMERGENCY = "harder than planned, or with no admissible command left"
+"""Planned: 3 m/s², at most the type's `decel`; with the paper's nine commands that `decel`."""
+
+METRICS: Mapping[str, Metric] = _by_key(
+    Metric("arrived", "arrived", "", "1 if the ego has arrived, else 0", None),
+    Metric("duration_s", "duration", "s", "time from departure to arrival, or to the end of the run", 1),
+    Metric("time_loss_s", "time loss", "s", "time lost by driving slower than the road allows", 1),
+    Metric("distance_m", "distance", "m", "way driven", 0),
+    Metric("collisions", "collisions", "", "contacts of the ego's box with another", None, "collision"),
+    Metric("violations", "violations", "", "red lights run and rights of way taken", None, "violation"),
+    Metric("red_lights_run", "red lights run", "", "stop lines crossed on a letter that forbids it", None, "red light run"),
+    Metric(
+        "right_of_way_violations", "rights of way taken", "", "users with priority that the ego obstructed", None,
+        "right of way taken",
+    ),
+    Metric("min_time_to_collision_s", "smallest time to collision", "s", "if both kept their velocities; below 10 s"),
+    Metric(
+        "min_time_to_collision_at_s", "time of the smallest time to collision", "s", "simulation time at which that was", 1
+    ),
+    Metric(
+        "min_post_encroachment_s", "smallest post-encroachment time", "s",
+        "from when one leaves a place to when the other enters it; below 10 s",
+    ),
+    Metric(
+        "hard_braking_caused", "hard brakings caused", "", "vehicles behind the ego that began to brake below −4.6 m/s²",
+        None, "hard braking caused",
+    ),
+    Metric("max_acceleration_m_s2", "largest acceleration", "m/s²", "from step to step"),
+    Metric("max_braking_m_s2", "hardest braking", "m/s²", "from step to step, positive"),
+    Metric("max_lateral_acceleration_m_s2", "largest lateral acceleration", "m/s²", "at the front axle"),
+    Metric("rms_jerk_m_s3", "RMS jerk", "m/s³", "root mean square of the change of the acceleration from step to step"),
+    Metric("standstill_s", "standstill", "s", "time slower than 0.1 m/s"),
+    Metric("off_road_s", "time on no lane", "s", "as SUMO maps the ego"),
+    Metric("emergencies", "emergencies", "", f"times that the ego began to brake {_EMERGENCY}", None, "emergency"),
+    Metric("emergency_s", "time in emergencies", "s", f"time during which the ego braked {_EMERGENCY}"),
+    Metric("pilot_activations", "activations of the pilot", "", "steps in which events made the pilot decide", None),
+    Metric(
+        "highway_code_runs", "runs of the highway code", "", "by the pilot, or to confirm what it has decided", None
+    ),
+    Metric("pilot_free_share", "steps without the pilot", "", "share in which neither it nor the highway code ran, 0 to 1"),
+    *(Metric(event_key(kind), f"event: {kind.value}", "", "how often this activated the pilot", None) for kind in EventKind),
+)  # fmt: skip
+"""What a trial gives again with the same seed, in the order in which it is shown."""
+
+BASELINE: Mapping[str, Metric] = _by_key(
+    Metric("teleports", "teleports of the ego", "", "times that SUMO moved its own driver's car out of a jam", None),
+)
+"""What only SUMO's own driver has."""
+
+OTHERS: Mapping[str, Metric] = _by_key(
+    Metric("others_vehicles", "other vehicles", "", "on the road when the ego departs, or later", None),
+    Metric("others_arrived", "others arrived", "", "by the end of the window", None),
+    Metric("others_time_loss_s", "others' time loss", "s", "sum"),
+    Metric("others_insertion_delay_s", "others' waiting to depart", "s", "sum"),
+    Metric("others_mean_duration_s", "others' mean duration", "s", "mean of those who arrived in both runs"),
+    Metric("others_mean_waiting_s", "others' mean standstill", "s", "mean of those who arrived in both runs"),
+    Metric("others_stops", "others' stops", "", "times that one came to a stand", None),
+    Metric("others_distance_km", "others' distance", "km", "sum"),
+    Metric("others_co2_kg", "others' CO₂", "kg", "sum"),
+    Metric("others_co2_g_per_km", "others' CO₂ per km", "g/km", "sum over sum"),
+    Metric("others_fuel_kg", "others' fuel", "kg", "sum"),
+    Metric("others_nox_g", "others' NOx", "g", "sum"),
+    Metric("others_collisions", "others' collisions", "", "among themselves", None),
+    Metric("others_teleports", "others' teleports", "", "as SUMO counts them", None),
+)
+"""What a comparison says of everybody but the ego, from its departure to the end of the window."""
+
+TIMINGS: Mapping[str, Metric] = _by_key(
+    Metric("control_step_mean_us", "control step, mean", "µs", "wall-clock time", 0),
+    Metric("control_step_p99_us", "control step, 99th percentile", "µs", "wall-clock time", 0),
+    Metric("control_step_max_us", "control step, longest", "µs", "wall-clock time", 0),
+    Metric("real_time_factor", "real-time factor", "", "simulated time by wall-clock time", 1),
+)
+"""Wall-clock figures, which differ from run to run."""
+
+EVERY: Mapping[str, Metric] = {**METRICS, **BASELINE, **OTHERS, **TIMINGS}
+"""All of them by key."""

@@ -1,0 +1,131 @@
+"""Smallest post-encroachment time: from when the first leaves a place to when the second enters it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.lab.metrics.moment import Figures, Moment
+
+Array = NDArray[np.float64]
+
+HORIZON_S = 10.0
+"""Longer times are no encounter."""
+
+CELL_M = 0.5
+"""Side of a cell; a cell is covered while its centre is."""
+
+CROSSING_ANGLE = math.radians(20.0)
+"""rad; bodies whose headings differ less follow one another: their time apart is a headway, no encroachment."""
+
+MOVING_SPEED = 0.1
+"""m/s; a standing body enters and leaves nothing."""
+
+FAR_CELL_M = 10.0
+"""Side of the coarse cells that sort out who never came near the ego's way."""
+
+CHUNK = 500
+"""Boxes laid on the grid at a time: bounds the memory."""
+
+
+class PostEncroachment:
+    """Keeps where the ego and the users near it were; lays them on a grid of 0.5 m at the end."""
+
+    def __init__(self, length: float, width: float) -> None:
+        self._size = (length, width)
+        self._ego: list[tuple[float, ...]] = []
+        self._others: list[tuple[float, Array]] = []
+
+    def see(self, moment: Moment) -> None:
+        """Keep the boxes."""
+        step = moment.step
+        if step.speed > MOVING_SPEED:
+            self._ego.append((step.time, step.x, step.y, step.heading, *self._size, -1.0))
+        if len(moment.boxes):
+            self._others.append((step.time, moment.boxes))
+
+    def figures(self) -> Figures:
+        """Return the smallest time (s); None without an encounter."""
+        smallest = HORIZON_S
+        if self._ego and self._others:
+            ego, others = np.array(self._ego), _moving(self._others)
+            smallest = min(smallest, _smallest(ego, others[_on_the_way(ego, others)]))
+        return {"min_post_encroachment_s": round(smallest, 3) if smallest < HORIZON_S else None}
+
+
+def _moving(boxes: list[tuple[float, Array]]) -> Array:
+    """Return (n, 7): time, front x, y, heading, length, width, 0 of the moving among boxes by time."""
+    times = np.repeat([time for time, _ in boxes], [len(some) for _, some in boxes])
+    all_of_them = np.concatenate([some for _, some in boxes])
+    x, y, heading, speed, length, width = all_of_them.T
+    rows: Array = np.column_stack((times, x, y, heading, length, width, np.zeros(len(times))))[speed > MOVING_SPEED]
+    return rows
+
+
+def _on_the_way(ego: Array, others: Array) -> NDArray[np.bool_]:
+    """Return which of `others` (n, 7) come within a coarse cell of where the ego ever is with another heading."""
+    around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    keys = [_key(ego[:, 1] + i * FAR_CELL_M, ego[:, 2] + j * FAR_CELL_M, FAR_CELL_M) for i, j in around]
+    cells, index = np.unique(np.concatenate(keys), return_inverse=True)
+    sectors = np.zeros(len(cells), dtype=np.int64)
+    np.bitwise_or.at(sectors, index.ravel(), np.tile(_sector(ego[:, 3]), len(around)))
+    own, near = _sector(others[:, 3]), np.zeros(len(others), dtype=np.bool_)
+    for share in (0.0, 0.5, 1.0):
+        back = share * others[:, 4]
+        key = _key(others[:, 1] - back * np.cos(others[:, 3]), others[:, 2] - back * np.sin(others[:, 3]), FAR_CELL_M)
+        at = np.minimum(np.searchsorted(cells, key), len(cells) - 1)
+        near |= (cells[at] == key) & ((sectors[at] & ~own) != 0)
+    return near
+
+
+def _sector(heading: Array) -> NDArray[np.int64]:
+    """Return the bit of the sector, as wide as CROSSING_ANGLE, that holds each heading (rad)."""
+    return np.left_shift(1, np.floor(heading % (2.0 * math.pi) / CROSSING_ANGLE).astype(np.int64))
+
+
+def _key(x: Array, y: Array, cell: float) -> NDArray[np.int64]:
+    """Return one number for each cell of side `cell`."""
+    return (np.floor(x / cell).astype(np.int64) << 32) + np.floor(y / cell).astype(np.int64)
+
+
+def _smallest(ego: Array, others: Array) -> float:
+    """Return the smallest time between ego and another in one cell, in either order, with crossing headings."""
+    cells, rows = _covered(np.vstack([ego, others]))
+    boxes = np.vstack([ego, others])[rows]
+    mine, theirs = cells[boxes[:, 6] < 0.0], cells[boxes[:, 6] >= 0.0]
+    common = np.isin(cells, np.intersect1d(mine, theirs))
+    cells, boxes = cells[common], boxes[common]
+    order = np.lexsort((boxes[:, 0], cells))
+    cells, boxes = cells[order], boxes[order]
+    first, second = boxes[:-1], boxes[1:]
+    meets = (cells[:-1] == cells[1:]) & ((first[:, 6] < 0.0) != (second[:, 6] < 0.0))
+    turn = np.abs((first[:, 3] - second[:, 3] + math.pi) % (2.0 * math.pi) - math.pi)
+    apart = (second[:, 0] - first[:, 0])[meets & (turn > CROSSING_ANGLE)]
+    return float(apart.min()) if len(apart) else math.inf
+
+
+def _covered(boxes: Array) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+    """Return the cells that boxes (n, 7; the last column is −1 for the ego) cover, and the row of each."""
+    keys, rows = [], []
+    sizes, of_size = np.unique(boxes[:, 4:6], axis=0, return_inverse=True)
+    for k, (length, width) in enumerate(sizes):
+        of_this = np.flatnonzero(of_size.ravel() == k)
+        for index in np.array_split(of_this, 1 + len(of_this) // CHUNK):
+            key, covered = _cells(boxes[index], float(length), float(width))
+            keys.append(key[covered])
+            rows.append(np.broadcast_to(index[:, None], covered.shape)[covered])
+    return np.concatenate(keys), np.concatenate(rows)
+
+
+def _cells(boxes: Array, length: float, width: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the cells around each of `boxes` of one size, shape (n, m), and which of them it covers."""
+    c, s = np.cos(boxes[:, 3])[:, None], np.sin(boxes[:, 3])[:, None]
+    mx, my = boxes[:, 1:2] - 0.5 * length * c, boxes[:, 2:3] - 0.5 * length * s
+    half = math.ceil(0.5 * math.hypot(length, width) / CELL_M)
+    i, j = (grid.ravel() for grid in np.mgrid[-half : half + 1, -half : half + 1])
+    x = (np.floor(mx / CELL_M) + i + 0.5) * CELL_M
+    y = (np.floor(my / CELL_M) + j + 0.5) * CELL_M
+    ahead, aside = (x - mx) * c + (y - my) * s, (y - my) * c - (x - mx) * s
+    return _key(x, y, CELL_M), (np.abs(ahead) < 0.5 * length) & (np.abs(aside) < 0.5 * width)

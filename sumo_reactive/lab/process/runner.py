@@ -1,0 +1,218 @@
+"""Trials in child processes: a crash, an endless run or a leak ends one trial, never the caller."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time as clock
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any, BinaryIO, cast
+
+import psutil
+
+from sumo_reactive.driver.overrides import VARIABLE, overrides
+from sumo_reactive.driver.parameters import MAX_MEMORY_MB, MAX_TRIALS, RECYCLE_MEMORY_MB
+from sumo_reactive.lab.process.scratch import new_scratch, remove
+from sumo_reactive.lab.process.task import Ending, Outcome, Task
+from sumo_reactive.lab.process.trial_process import receive, send
+from sumo_reactive.sumo.crash import DEADLY
+
+__all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
+
+Answer = tuple[Ending, Any, float]
+"""How a call ended; its value, or in one line why there is none; wall-clock time, s."""
+
+_RUN = "sumo_reactive.lab.process.observed:run_observed"
+_LOOK_S = 0.5
+_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+class Runner:
+    """One process that imports once and runs one task after another; a context manager, for one thread at a time.
+
+    The process is replaced when it crashed, outran its limit, has run MAX_TRIALS tasks, holds too much memory, or other
+    parameters are asked for. A process whose caller dies ends by itself.
+
+    Temporary files of the tasks go to `scratch`, which the caller removes; else to a folder that ends with the process.
+    """
+
+    def __init__(self, scratch: Path | None = None) -> None:
+        self._scratch = scratch
+        self._child: _Child | None = None
+        self._closed = False
+
+    def __enter__(self) -> Runner:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def run(self, task: Task, wall_limit_s: float) -> Outcome:
+        """Run a task; whatever happens to it is told by the outcome. The limit (s) begins when the process is ready."""
+        ending, value, wall_s = self.call(_RUN, task, wall_limit_s, task.parameters)
+        if ending is not Ending.DONE:
+            return Outcome(task, ending, reason=value, wall_s=wall_s)
+        return Outcome(task, ending, **value, wall_s=wall_s)
+
+    def call(
+        self, function: str, argument: object, wall_limit_s: float, parameters: Mapping[str, float]
+    ) -> Answer:
+        """Call a function ("module:name") in the process; return how that ended, its value or why not, wall-clock s."""
+        child = self._ready_for(parameters)
+        answer = child.call((function, argument), wall_limit_s)
+        if answer[0] in (Ending.CRASHED, Ending.TIMEOUT) or child.is_worn_out():
+            child.close()
+            self._child = None
+        return answer
+
+    def close(self) -> None:
+        """End the process, also one that is in the middle of a trial; `run` in another thread then tells of a crash."""
+        self._closed = True
+        if self._child is not None:
+            self._child.close()
+
+    def _ready_for(self, parameters: Mapping[str, float]) -> _Child:
+        if self._child is not None and self._child.parameters != parameters:
+            self._child.close()
+            self._child = None
+        if self._child is None:
+            self._child = _Child(parameters, self._scratch)
+        if self._closed:
+            self._child.close()
+        return self._child
+
+
+class _Child:
+    """A running process, and what it answers."""
+
+    def __init__(self, parameters: Mapping[str, float], scratch: Path | None) -> None:
+        self.parameters = dict(parameters)
+        self._trials = 0
+        self._ready = False
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115 closed with the process
+        self._own_scratch = None if scratch else new_scratch()
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "sumo_reactive.lab.process.trial_process", str(scratch or self._own_scratch)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=_environment(parameters),
+        )  # fmt: skip
+        assert self._process.stdin and self._process.stdout
+        self._stdin: BinaryIO = cast(BinaryIO, self._process.stdin)
+        self._stdout: BinaryIO = cast(BinaryIO, self._process.stdout)
+        self._answers: SimpleQueue[Any] = SimpleQueue()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
+
+    def call(self, order: object, wall_limit_s: float) -> Answer:
+        """Hand over an order and wait for its answer."""
+        if not self._ready:
+            self._ready = self._answers.get() is not None
+        began = clock.monotonic()
+        if not self._ready:
+            return Ending.CRASHED, self._death(), 0.0
+        with contextlib.suppress(OSError):
+            send(self._stdin, order)
+        self._trials += 1
+        while True:
+            took = clock.monotonic() - began
+            try:
+                answer = self._answers.get(timeout=max(0.0, min(_LOOK_S, wall_limit_s - took)))
+            except Empty:
+                if took >= wall_limit_s:
+                    return Ending.TIMEOUT, f"not done after {wall_limit_s:g} s of wall-clock time", took
+                if (held := self._memory_mb()) > MAX_MEMORY_MB:
+                    return Ending.CRASHED, f"the process held {held:.0f} MB, more than {MAX_MEMORY_MB:.0f}", took
+                continue
+            if answer is None:
+                return Ending.CRASHED, self._death(), took
+            return Ending[answer[0]], answer[1], answer[2]
+
+    def is_worn_out(self) -> bool:
+        """Whether another process should run the next task."""
+        return self._trials >= MAX_TRIALS or self._memory_mb() > RECYCLE_MEMORY_MB
+
+    def close(self) -> None:
+        """Kill the process and remove what it left behind."""
+        self._process.kill()
+        self._process.wait()
+        self._listener.join()
+        if self._own_scratch:
+            remove(self._own_scratch)
+
+    def _listen(self) -> None:
+        with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
+            while True:
+                self._answers.put(pickle.loads(receive(self._stdout)))
+        self._answers.put(None)
+        for stream in (self._stdin, self._stdout):
+            with contextlib.suppress(OSError):
+                stream.close()
+
+    def _memory_mb(self) -> float:
+        try:
+            return float(psutil.Process(self._process.pid).memory_info().rss) / 1e6
+        except psutil.Error:
+            return 0.0
+
+    def _death(self) -> str:
+        code = self._process.wait()
+        how = f"the process ended with code {code}"
+        if code < 0:
+            name = signal.Signals(-code).name
+            how = f"SUMO died of {name}" if -code in DEADLY else f"the process was killed by {name}"
+        self._log.seek(0)
+        said = self._log.read().decode(errors="replace").strip().splitlines()
+        return how + (f": {said[-1].strip()}" if said else "")
+
+
+def run_all(
+    tasks: Sequence[Task],
+    jobs: int,
+    wall_limit_s: float,
+    progress: Callable[[Outcome], None] | None = None,
+    scratch: Path | None = None,
+) -> Iterator[Outcome]:
+    """Run the tasks in `jobs` processes and yield their outcomes in the order of the tasks; `scratch` as for a `Runner`.
+
+    `progress` gets each outcome as soon as it is there, from the thread that waited for it.
+    """
+    idle: SimpleQueue[Runner] = SimpleQueue()
+    runners = [Runner(scratch) for _ in range(max(1, min(jobs, len(tasks))))]
+    for runner in runners:
+        idle.put(runner)
+
+    def one(task: Task) -> Outcome:
+        runner = idle.get()
+        try:
+            outcome = runner.run(task, wall_limit_s)
+        finally:
+            idle.put(runner)
+        if progress is not None:
+            progress(outcome)
+        return outcome
+
+    threads = ThreadPoolExecutor(len(runners))
+    try:
+        for future in [threads.submit(one, task) for task in tasks]:
+            yield future.result()
+    finally:
+        threads.shutdown(wait=False, cancel_futures=True)
+        for runner in runners:
+            runner.close()
+        threads.shutdown()
+
+
+def _environment(parameters: Mapping[str, float]) -> dict[str, str]:
+    asked = json.dumps(overrides() | dict(parameters), sort_keys=True)
+    return dict.fromkeys(_ONE_THREAD, "1") | dict(os.environ) | {VARIABLE: asked}
+

@@ -1,0 +1,95 @@
+"""The process that runs trials for another one, one after another: orders come in on standard input, answers go out."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import os
+import pickle
+import signal
+import struct
+import sys
+import tempfile
+import threading
+import time as clock
+import traceback
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any, BinaryIO
+
+from sumo_reactive.errors import ReactiveError
+from sumo_reactive.lab.process.scratch import remove
+
+_SIZE = struct.Struct("!Q")
+
+
+def send(stream: BinaryIO, value: object) -> None:
+    """Write a value to a stream."""
+    data = pickle.dumps(value)
+    stream.write(_SIZE.pack(len(data)) + data)
+    stream.flush()
+
+
+def receive(stream: BinaryIO) -> bytes:
+    """Read a pickled value from a stream; raise EOFError when it is closed."""
+    head = stream.read(_SIZE.size)
+    data = stream.read(_SIZE.unpack(head)[0]) if len(head) == _SIZE.size else b""
+    if not data:
+        raise EOFError
+    return data
+
+
+def main(scratch: str) -> None:
+    """Serve until the other end closes, which it does also by dying: then end at once, whatever runs.
+
+    Temporary files go to the folder `scratch`, which is made here and removed at such an end.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Path(scratch).mkdir(mode=0o700, exist_ok=True)
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what SUMO prints is no answer
+    orders: SimpleQueue[bytes] = SimpleQueue()
+    threading.Thread(target=_listen, args=(orders, Path(scratch)), daemon=True).start()
+    with contextlib.suppress(Exception):  # tried again, and told, by the first order
+        import sumo_reactive.lab.process.observed  # noqa: F401
+    tempfile.tempdir = scratch
+    send(answers, ())
+    while True:
+        send(answers, _answer(orders.get()))
+
+
+def _listen(orders: SimpleQueue[bytes], scratch: Path) -> None:
+    with contextlib.suppress(EOFError):
+        while True:
+            orders.put(receive(sys.stdin.buffer))
+    remove(scratch)
+    os._exit(0)
+
+
+def _answer(order: bytes) -> tuple[str, Any, float]:
+    """Call the function that an order names with its argument; return how it ended, its value or why not, wall-clock s.
+
+    An error of the user is a failed order, any other a crash with the place where it happened.
+    """
+    began = clock.perf_counter()
+    try:
+        function, argument = pickle.loads(order)
+        module, _, name = function.partition(":")
+        ending, value = "DONE", getattr(importlib.import_module(module), name)(argument)
+    except ReactiveError as error:
+        ending, value = "FAILED", " ".join(str(error).split())
+    except MemoryError:
+        ending, value = "CRASHED", "out of memory"
+    except Exception as error:
+        traceback.print_exc()
+        ending, value = "CRASHED", f"internal error: {_told(error)}"
+    return ending, value, clock.perf_counter() - began
+
+
+def _told(error: Exception) -> str:
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,160 @@
+"""Scenarios: what to run, by whom, from a scenario `.toml` or straight from a SUMO configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from sumo_reactive.driver import parameters
+from sumo_reactive.driver.controller import Profile
+from sumo_reactive.driver.overrides import VARIABLE, overridden, overrides
+from sumo_reactive.driver.parameters import OBSTACLE_POLYGONS
+from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.errors import ParameterError, ScenarioError
+from sumo_reactive.lab.expectation import Expectation, ExpectKeys
+from sumo_reactive.lab.toml_file import problem_at, read_toml
+from sumo_reactive.sumo.config import read_config, seconds_of
+from sumo_reactive.sumo.option_names import given_options
+
+DEFAULT_SEED = 42
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One run: SUMO configuration `config`, vehicle `ego` (None: to be chosen), as named by the file `source`.
+
+    `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
+    run ends at the latest; it ends `horizon_s` after the ego's departure at the latest, too. `until_end` plays the scenario
+    out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `parameters` are other
+    values for constants of `parameters.py`.
+    """
+
+    config: Path
+    ego: str | None = None
+    seed: int = DEFAULT_SEED
+    step_length_s: float | None = None
+    until_s: float | None = None
+    profile: Profile = Profile.DEFAULT
+    delays: Delays = Delays.REPLAN
+    until_end: bool = False
+    sumo_options: tuple[str, ...] = ()
+    obstacle_polygons: str = OBSTACLE_POLYGONS
+    source: Path = Path()
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
+    horizon_s: float | None = None
+
+    def end_after(self, departure: float) -> float | None:
+        """Return the simulation time (s) at which the run ends at the latest if the ego departs at `departure`."""
+        horizon = None if self.horizon_s is None else departure + self.horizon_s
+        return min((end for end in (self.latest_end, horizon) if end is not None), default=None)
+
+    @property
+    def latest_end(self) -> float | None:
+        """The simulation time (s) at which the run ends at the latest: `until_s`, or the `end` among SUMO's options.
+
+        The `end` that the configuration names is no such end: who is under way then drives on to the goal.
+        """
+        given = given_options(self.sumo_options).get("end", "")
+        ends = (self.until_s, seconds_of(given) if given and not given.startswith("-") else None)
+        return min((end for end in ends if end is not None), default=None)
+
+
+class ScenarioFile(NamedTuple):
+    """What a scenario `.toml` says: the scenario with the first of its `seeds`, and what is expected of each."""
+
+    scenario: Scenario
+    seeds: tuple[int, ...]
+    expectation: Expectation
+
+
+_Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
+
+
+class _Keys(BaseModel):
+    """The table `[scenario]`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    config: str
+    ego: str | None = None
+    seed: _Seed = DEFAULT_SEED
+    seeds: list[_Seed] | None = Field(default=None, min_length=1)
+    step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
+    until_s: float | None = Field(default=None, gt=0.0)
+    profile: Profile = Field(default=Profile.DEFAULT, strict=False)
+    delays: Delays = Field(default=Delays.REPLAN, strict=False)
+    obstacle_polygons: str = OBSTACLE_POLYGONS
+    parameters: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("seeds")
+    @classmethod
+    def _differ(cls, seeds: list[int]) -> list[int]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError("a seed is named twice")
+        return seeds
+
+    @field_validator("parameters")
+    @classmethod
+    def _exist(cls, asked: dict[str, Any]) -> dict[str, float]:
+        return {name: _parameter(name, value) for name, value in asked.items()}
+
+    @model_validator(mode="after")
+    def _one_kind_of_seed(self) -> _Keys:
+        if {"seed", "seeds"} <= self.model_fields_set:
+            raise problem_at("seeds", "there is 'seed' already")
+        return self
+
+
+def _parameter(name: str, value: object) -> float:
+    try:
+        return overridden(vars(parameters), name, value)
+    except ParameterError as error:
+        raise problem_at(name, str(error)) from error
+
+
+class _File(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    scenario: _Keys
+    expect: ExpectKeys = Field(default_factory=ExpectKeys)
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Read a scenario `.toml`, or a SUMO configuration whatever its name; raise ScenarioError naming file, line and key."""
+    if path.suffix == ".toml":
+        return load_scenario_file(path).scenario
+    config = read_config(path)
+    return Scenario(config=path, seed=_own_seed(config.options.get("seed", "")), source=path)
+
+
+def load_scenario_file(path: Path) -> ScenarioFile:
+    """Read a scenario `.toml` with its seeds and what it expects; raise ScenarioError naming file, line and key."""
+    file = read_toml(path, _File)
+    keys = dict(file.scenario)
+    seeds = tuple(keys.pop("seeds") or [keys["seed"]])
+    config = path.parent / file.scenario.config
+    read_config(config)
+    scenario = Scenario(**(keys | {"config": config, "source": path, "seed": seeds[0]}))
+    return ScenarioFile(scenario, seeds, file.expect.expectation())
+
+
+def parameters_missing(scenario: Scenario) -> dict[str, float]:
+    """Return the scenario's parameters that this process does not use; what its environment asks for is as good."""
+    asked, present = overrides(), vars(parameters)
+    return {name: value for name, value in scenario.parameters.items() if name not in asked and present[name] != value}
+
+
+def require_parameters(scenario: Scenario) -> None:
+    """Raise ScenarioError unless this process uses the scenario's parameters: they are set when a process starts."""
+    if missing := parameters_missing(scenario):
+        told = ", ".join(f"{name} = {value!r}" for name, value in missing.items())
+        raise ScenarioError(f"{scenario.source}: {VARIABLE} has to name these when the process starts: {told}")
+
+
+def _own_seed(text: str) -> int:
+    """Return the seed that the configuration states; SUMO itself judges a text that is no number."""
+    return int(text) if text.strip().isdecimal() else DEFAULT_SEED

@@ -1,0 +1,196 @@
+"""Why the ego did what it did: a recorded run told in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from sumo_reactive.driver.nouns.assessment import Assessment
+from sumo_reactive.driver.nouns.decision import Decision, Instruction
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.metric_names import event_key
+from sumo_reactive.lab.trace import Entry
+from sumo_reactive.show.recording import CLOSE_S, EgoState, Recording, state_at
+from sumo_reactive.show.sentences import (
+    BEHAVIOURS,
+    BRAKING,
+    EMERGENCY,
+    ENDINGS,
+    EVENTS,
+    FIGURES,
+    INSTRUCTIONS,
+    MEANWHILE,
+    MEETINGS,
+    NO_COMMAND,
+    OUTCOMES,
+    REASONS,
+    SAME_REGION,
+    SOMEBODY,
+)
+
+
+def story(recording: Recording) -> Iterator[str]:
+    """Yield the whole run: a header, a line an entry, and what the pilot had to do."""
+    yield header(recording)
+    for before, entry in zip((None, *recording.entries), recording.entries, strict=False):
+        yield f"{entry.time:.1f} s  {paragraph(entry, before)}"
+    yield footer(recording.summary["figures"])
+
+
+def moment(recording: Recording, time: float) -> Iterator[str]:
+    """Yield everything that was in force at `time` (s); raise ScenarioError for a time outside the run."""
+    ego = state_at(recording, time)
+    found = [i for i, entry in enumerate(recording.entries) if entry.time <= time + CLOSE_S]
+    if not found:
+        raise ScenarioError(f"{recording.folder}: nothing was decided up to {time:g} s")
+    index = found[-1]
+    before = recording.entries[index - 1] if index else None
+    yield header(recording)
+    yield _state_text(ego)
+    yield from _in_full(recording.entries[index], before)
+    for label, near in (("before", recording.entries[:index][-1:]), ("next", recording.entries[index + 1 :][:1])):
+        yield from (f"{label:<11} {entry.time:.1f} s  {in_short(entry)}" for entry in near)
+
+
+def header(recording: Recording) -> str:
+    """Who drove where, and how it ended."""
+    summary = recording.summary
+    return f"{summary['ego']} in {summary['scenario']}: {summary['verdict']}."
+
+
+def footer(figures: Mapping[str, Any]) -> str:
+    """How often the pilot ran, and what activated it, the most frequent first."""
+    runs, share = figures.get("pilot_activations", 0), figures.get("pilot_free_share")
+    asked = figures.get("highway_code_runs")
+    counts = [(figures.get(event_key(kind), 0), kind) for kind in EventKind]
+    told = [f"{EVENTS[kind]} ({count})" for count, kind in sorted(counts, key=lambda one: -one[0]) if count]
+    held = "" if asked is None else f"; the highway code was asked {asked} times"
+    rested = "" if share is None else f"; {100.0 * share:.0f} % of the steps needed neither"
+    return f"The pilot decided in {runs} steps{held}{rested}." + (f" What activated it: {', '.join(told)}." if told else "")
+
+
+def paragraph(entry: Entry, before: Entry | None = None) -> str:
+    """Return event, assessment, behaviour and instruction, and the rule and the road user behind them, as sentences."""
+    ending = ENDINGS.get((before.behaviour, entry.behaviour), "") if before else ""
+    emergency = (EMERGENCY.format(entry.hazard) if entry.hazard else NO_COMMAND) if entry.emergency else ""
+    parts = (*events_told(entry.events), assessment_told(entry.assessment), emergency, ending, _behaviour_told(entry))
+    return " ".join(f"{part[0].upper()}{part[1:]}." for part in parts if part)
+
+
+def in_short(entry: Entry) -> str:
+    """Return behaviour, instruction and reasons, without figures."""
+    return f"{_behaviour_told(entry, with_figures=False)}."
+
+
+def events_told(events: Iterable[Event]) -> list[str]:
+    """Return a sentence for each kind of event, with its causes."""
+    causes: dict[EventKind, list[str]] = {}
+    for event in events:
+        causes.setdefault(event.kind, []).extend([event.cause] if event.cause else [])
+    return [EVENTS[kind] + (f" ({', '.join(found)})" if found else "") for kind, found in causes.items()]
+
+
+def assessment_told(assessment: Assessment) -> str:
+    """Return what would have happened, and when."""
+    meets = assessment.encounter
+    user, time = (meets.user_id, meets.time) if meets else (SOMEBODY, math.nan)
+    return OUTCOMES[assessment.outcome].format(lateness=assessment.lateness, user=user, time=time)
+
+
+def decision_told(decision: Decision, instruction: Instruction, named: str = "", *, with_figures: bool = True) -> str:
+    """Return what the ego does because of a decision: "stops before region r, since veh_12 has priority (…)".
+
+    `named`: the region that has been named already.
+    """
+    wording, figures = REASONS[decision.reason], dict(decision.figures)
+    usual = wording.passes if decision.passes else wording.waits
+    order = _order(decision, figures).removeprefix("merges ")
+    text = MEANWHILE.get((instruction, decision.reason), usual)
+    place = SAME_REGION if decision.region == named else f"region {decision.region}"
+    text = text.format(order=order, cause=decision.cause or SOMEBODY, place=place, region=decision.region)
+    told = _figures_told(decision, figures) if with_figures else ""
+    return f"{text} ({told})" if told else text
+
+
+def _figures_told(decision: Decision, figures: Mapping[str, float]) -> str:
+    if not all(math.isfinite(value) for value in figures.values()):
+        return ""
+    if "foe_arrival_s" in figures:
+        return MEETINGS[decision.passes, _order(decision, figures)].format(**figures)
+    return BRAKING.format(**figures) if "to_line_m" in figures else ""
+
+
+def _order(decision: Decision, figures: Mapping[str, float]) -> str:
+    """Who would be in the region first: the ego "before" or "after" the other, the two "together", the other "inside"."""
+    if "foe_arrival_s" not in figures:
+        return "before"
+    leaves_first = figures["clearance_s"] < figures["foe_arrival_s"]
+    if decision.passes and figures["arrival_s"] < figures["foe_arrival_s"]:
+        return "before" if leaves_first else "merges before"
+    if decision.passes:
+        return "after"
+    if figures["foe_arrival_s"] <= 0.0:
+        return "inside"
+    comes_later = figures["foe_clearance_s"] < figures["arrival_s"]
+    return "before" if leaves_first else "after" if comes_later else "together"
+
+
+def _behaviour_told(entry: Entry, *, with_figures: bool = True) -> str:
+    """Return behaviour, instruction and a clause a decision; a decision to stop says more than the instruction."""
+    decisions = _nearest(sorted(entry.decisions, key=lambda decision: decision.passes))
+    named = ["", *(decision.region for decision in decisions[:-1])]
+    clauses = [
+        decision_told(decision, entry.instruction, region, with_figures=with_figures)
+        for decision, region in zip(decisions, named, strict=False)
+    ]
+    stops = any(not decision.passes for decision in decisions)
+    if entry.instruction is not Instruction.STOP or not stops:
+        clauses.insert(0, INSTRUCTIONS[entry.instruction])
+    return f"{BEHAVIOURS[entry.behaviour]}: {'; '.join(clauses)}"
+
+
+def _nearest(decisions: Iterable[Decision]) -> list[Decision]:
+    """Return one decision for each road user and reason: at the first of the regions where they meet."""
+    kept: dict[tuple[object, ...], Decision] = {}
+    for decision in decisions:
+        key = decision.reason, decision.cause, decision.passes
+        if key not in kept or _arrival(decision) < _arrival(kept[key]):
+            kept[key] = decision
+    return list(kept.values())
+
+
+def _arrival(decision: Decision) -> float:
+    return dict(decision.figures).get("arrival_s", math.inf)
+
+
+def _state_text(ego: EgoState) -> str:
+    behind = f", behind {ego.leader} at {ego.gap:.1f} m" if ego.leader and ego.gap is not None else ", no leader"
+    return f"{ego.time:.1f} s: the ego drives at {ego.speed:.1f} m/s, wants {ego.desired_speed:.1f} m/s{behind}."
+
+
+def _in_full(entry: Entry, before: Entry | None) -> Iterator[str]:
+    """Yield the paragraph of an entry, then everything that it holds, a line each."""
+    yield f"in force since {entry.time:.1f} s: {paragraph(entry, before)}"
+    yield from (f"{'event':<11} {event.kind.value}{f' ({event.cause})' if event.cause else ''}" for event in entry.events)
+    yield f"{'assessment':<11} {_assessment_in_full(entry.assessment)}"
+    yield f"{'behaviour':<11} {entry.behaviour.value}"
+    yield f"{'instruction':<11} {entry.instruction.value}"
+    for decision in entry.decisions:
+        told = decision_told(decision, entry.instruction, with_figures=False)
+        yield f"{'decision':<11} {decision.behaviour.value}: {told}"
+        figures = [FIGURES.get(name, name + " {:.2f}").format(value) for name, value in decision.figures]
+        yield from ([f"{'':<11}   {', '.join(figures)}"] if figures else [])
+    for state in entry.regions:
+        user = f" ({state.user_id})" if state.user_id else ""
+        yield f"{'region':<11} {state.region}: {state.occupancy.value}{user}"
+
+
+def _assessment_in_full(assessment: Assessment) -> str:
+    late = f"{assessment.outcome.value}, {assessment.lateness:.1f} s late for {assessment.constraint:.1f} m of C"
+    meets = assessment.encounter
+    if meets is None:
+        return late
+    place = f"{meets.s:.1f} m of C (x {meets.x:.1f} m, y {meets.y:.1f} m)"
+    return f"{late}, touches {meets.user_id} at {meets.time:.1f} s, {place}"

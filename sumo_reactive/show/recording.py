@@ -1,0 +1,95 @@
+"""A recorded run, read back from its folder."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import duckdb
+from pydantic import TypeAdapter, ValidationError
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.files import is_there
+from sumo_reactive.lab.json_file import read_json
+from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
+from sumo_reactive.lab.sealed import parquet_rows
+from sumo_reactive.lab.trace import Entry, read_entries
+from sumo_reactive.show.record_keys import COLUMNS, Regions, SummaryKeys
+
+MAX_STEPS = 1_000_000
+"""More than a day in steps of 0.1 s."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The record in `folder`: its summary as plain data, the pilot's entries in order of time, outlines of regions, m."""
+
+    folder: Path
+    summary: Mapping[str, Any]
+    entries: tuple[Entry, ...]
+    regions: Mapping[str, Sequence[Sequence[float]]] = field(default_factory=dict)
+
+
+class EgoState(NamedTuple):
+    """The ego at a recorded step: speeds in m/s; `leader` limits it at distance `gap` (m, None: no leader)."""
+
+    time: float
+    speed: float
+    desired_speed: float
+    leader: str
+    gap: float | None
+
+
+_STATE = ("time_s", "speed_m_s", "desired_speed_m_s", "leader", "gap_m")
+CLOSE_S = 1e-6
+"""Times nearer than this are the same, s."""
+
+
+def load(folder: Path) -> Recording:
+    """Read the record of a run; raise ScenarioError for a folder that holds none, naming file and key."""
+    if not folder.is_dir():
+        raise ScenarioError(f"{folder}: {'a file, not a folder' if folder.exists() else 'no such folder'}")
+    missing = [name for name in (SUMMARY, DECISIONS, TRAJECTORY) if not (folder / name).is_file()]
+    if missing:
+        raise ScenarioError(f"{folder}: not the record of a run: it has no {' and no '.join(missing)}")
+    summary = read_json(folder / SUMMARY, SummaryKeys, "the summary of a run").model_dump(exclude_unset=True)
+    entries = tuple(sorted(read_entries(folder / DECISIONS), key=lambda entry: entry.time))
+    has_regions = is_there(folder / REGIONS)
+    regions = read_json(folder / REGIONS, Regions, "the regions of a run") if has_regions else {}
+    return Recording(folder, summary, entries, regions)
+
+
+def state_at(recording: Recording, time: float) -> EgoState:
+    """Return the ego at the last step up to `time` (s); raise ScenarioError for a time outside the run."""
+    columns = columns_of(recording, _STATE)
+    times = columns["time_s"]
+    if not times[0] - CLOSE_S <= time <= times[-1] + CLOSE_S:
+        raise ScenarioError(f"{recording.folder}: {time:g} s is outside the run ({times[0]:.1f} to {times[-1]:.1f} s)")
+    k = bisect_right(times, time + CLOSE_S) - 1
+    return EgoState(*(columns[name][k] for name in _STATE))
+
+
+def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any]]:
+    """Return columns of the trajectory, a value a step in order of time, None where there is none.
+
+    Raises ScenarioError for a file that lacks one, holds something else in it, or has no step.
+    """
+    path = recording.folder / TRAJECTORY
+    try:
+        rows = parquet_rows(path, f"SELECT {', '.join(names)} FROM steps ORDER BY time_s", MAX_STEPS)
+    except (duckdb.Error, MemoryError) as error:
+        raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
+    if not rows:
+        raise ScenarioError(f"{recording.folder}: the run has no steps")
+    columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
+    for name, values in columns.items():
+        try:
+            TypeAdapter(COLUMNS[name]).validate_python(values, strict=True)
+        except ValidationError as error:
+            problem = error.errors()[0]
+            told = f"column '{name}', step {problem['loc'][0]}: {problem['msg']}"
+            raise ScenarioError(f"{path}: not the trajectory of a run: {told}") from error
+    return columns

@@ -1,0 +1,115 @@
+"""Leaving local minima: room, backing up, a new curve, more commands, and who is to blame (F&L 1991, §3.3)."""
+
+
+import pytest
+from helpers.situations import before
+
+from sumo_reactive.driver.nouns.completed_plan import Replanning
+from sumo_reactive.driver.nouns.decision import Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.parameters import HALTED_ROOM_M
+from sumo_reactive.driver.pilot.escape import escape, room_behind
+
+STREET = ("eastbound", "eastbound_out")
+STUCK = (Event(EventKind.NO_PROGRESS),)
+
+
+def standing(gap: float, halted: bool = True, to_left: float = 0.0):
+    """The ego behind somebody who stands, and what it sees."""
+    ego = before("blocked_lane", STREET, 200.0, 0.0, to_left=to_left)
+    return ego, ego.ahead("x", gap, 0.0, halted)
+
+
+def test_room_is_kept_behind_somebody_who_has_halted():
+    ego = before("blocked_lane", STREET, 300.0, 10.0)
+    situation = ego.considered(ego.ahead("x", 50.0, 0.0, halted=True))
+    stop = room_behind(situation)
+    assert (stop.reason, stop.cause) == (Reason.BLOCKED, "x")
+    assert stop.s == pytest.approx(situation.snapshot.front + 50.0 - HALTED_ROOM_M, abs=0.5)
+
+
+def test_no_room_is_kept_behind_a_queue_nor_where_there_is_no_lane_to_pass_on():
+    ego = before("blocked_lane", STREET, 300.0, 10.0)
+    assert room_behind(ego.considered(ego.ahead("x", 50.0, 0.0))) is None
+    left = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 10.0, lane=2)
+    assert room_behind(left.considered(left.ahead("x", 50.0, 0.0, halted=True))) is None
+
+
+def test_the_ego_stops_with_that_room_behind_somebody_who_has_halted():
+    ego = before("blocked_lane", STREET, 300.0, 10.0)
+    x = ego.ahead("x", 50.0, 0.0, halted=True)
+    oncoming = [ego.other(f"o{k}", "westbound_0", 100.0 + 12.0 * k, 0.2, ("westbound",)) for k in range(20)]
+    end = ego.driven(15.0, x, *oncoming)[-1]
+    assert end.drive.ego.speed < 0.1
+    gap = 50.0 + ego.seen().front - end.snapshot.front
+    assert HALTED_ROOM_M - 0.5 < gap < HALTED_ROOM_M + 2.0
+
+
+def test_too_near_behind_somebody_who_has_halted_the_ego_backs_up():
+    ego, x = standing(3.0)
+    way_out = escape(ego.considered(x))
+    assert (way_out.instruction, way_out.stop.cause) == (Instruction.BACK_UP, "x")
+    assert way_out.stop.s == pytest.approx(ego.seen().front + 3.0 - HALTED_ROOM_M, abs=0.5)
+
+
+def test_backing_up_ends_with_room_to_swing_out():
+    ego, x = standing(3.0)
+    steps = ego.driven(12.0, x)
+    gaps = [3.0 + ego.seen().front - step.snapshot.front for step in steps]
+    assert min(step.drive.ego.speed for step in steps) >= -1.0 - 1e-6
+    assert max(gaps) > 6.4
+    assert max(gaps) < HALTED_ROOM_M + 0.5
+
+
+def test_the_ego_does_not_back_up_into_somebody_behind_it():
+    ego, x = standing(3.0)
+    behind = ego.ahead("behind", -12.0, 0.0)
+    way_out = escape(ego.considered(x, behind))
+    assert way_out is None or way_out.instruction is not Instruction.BACK_UP
+
+
+def test_far_enough_behind_somebody_who_has_halted_it_does_not_back_up():
+    ego, x = standing(HALTED_ROOM_M)
+    assert escape(ego.considered(x)) is None
+
+
+def test_without_want_of_progress_there_is_nothing_to_escape_from():
+    ego, _ = standing(3.0)
+    assert escape(ego.considered()) is None
+
+
+def test_who_blocks_the_ego_is_named():
+    ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 0.0, lane=2)
+    x = ego.ahead("x", 3.0, 0.0, halted=True)
+    decision = escape(ego.considered(x, events=STUCK)).decision
+    assert (decision.reason, decision.cause) == (Reason.BLOCKED, "x")
+
+
+def test_a_queue_has_the_right_to_block_the_ego():
+    ego, queue = standing(3.0, halted=False)
+    assert escape(ego.considered(queue, events=STUCK)) is None
+
+
+def test_a_red_light_has_the_right_to_block_the_ego():
+    ego, _ = standing(3.0)
+    assert escape(ego.considered(events=STUCK, stop=StopAt(5.0, Reason.RED_LIGHT))) is None
+
+
+def test_when_nobody_blocks_the_ego_a_new_curve_comes_first_and_then_a_wider_grid():
+    ego, _ = standing(3.0)
+    first, second = (escape(ego.remembering(escapes=n).considered(events=STUCK)) for n in (0, 1))
+    assert (first.replanning, first.instruction) == (Replanning.CURVE, None)
+    assert (second.replanning, second.instruction) == (Replanning.NOTHING, Instruction.WIDEN)
+    assert first.decision.reason is second.decision.reason is Reason.NO_PROGRESS
+
+
+def test_an_ego_that_does_not_get_on_asks_for_a_curve_once_and_then_searches_more_commands():
+    ego, _ = standing(3.0)
+    drive, asked = ego.step().drive, []
+    for escapes in (0, 1):
+        memory = drive.memory._replace(progress_s=drive.s, progress_time=ego.time - 100.0, escapes=escapes)
+        asked.append(ego.step(drive=drive._replace(ego=ego.ego, memory=memory), time=ego.time + 0.1))
+    curve, wider = (step.completed for step in asked)
+    assert (curve.request.what, curve.tuning.wide_grid) == (Replanning.CURVE, False)
+    assert (wider.request.what, wider.tuning.wide_grid, wider.instruction) == (Replanning.NOTHING, True, Instruction.WIDEN)
+    assert [step.drive.memory.escapes for step in asked] == [1, 2]

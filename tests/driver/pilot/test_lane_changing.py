@@ -1,0 +1,98 @@
+"""Which gap on the other lane is enough for whoever comes behind, and what if it closes."""
+
+from dataclasses import replace
+
+import pytest
+from helpers.cars import CAR
+from helpers.situations import Situation, before
+
+from sumo_reactive.driver.nouns.completed_plan import Replanning
+from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.parameters import EASY_STOP_DECELERATION, FOLLOWER_STANDSTILL_GAP_M, HARD_STOP_DECELERATION
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.pilot.gaps import gap_for_follower
+from sumo_reactive.driver.pilot.lane_changing import seek_gap, seeks
+from sumo_reactive.driver.world.route import Route
+
+TO_THE_EXIT = ("road_in", "road_before_exit", "exit")
+
+
+@pytest.mark.parametrize("speed", [8.0, 14.0, 28.0])
+@pytest.mark.parametrize("slower", [0.0, 3.0, 8.0])
+def test_a_follower_need_not_brake_hard_for_the_ego(speed, slower):
+    """SUMO's cars brake 1.2 times as hard as they must to stop behind somebody who brakes with 4.5 m/s²."""
+    ahead = speed - slower
+    gap = gap_for_follower(speed, ahead, 0.15, HARD_STOP_DECELERATION) - FOLLOWER_STANDSTILL_GAP_M
+    assert 1.2 * speed * speed / (2.0 * (gap + ahead * ahead / 9.0)) < 4.6
+
+
+def test_a_slower_ego_needs_a_longer_gap():
+    gaps = [gap_for_follower(20.0, ahead, 0.8, EASY_STOP_DECELERATION) for ahead in (20.0, 15.0, 5.0)]
+    assert gaps == sorted(gaps)
+    assert gaps[0] == pytest.approx(FOLLOWER_STANDSTILL_GAP_M + 16.2, abs=0.5)
+
+
+def test_a_follower_that_stands_or_falls_behind_needs_none():
+    assert gap_for_follower(0.0, 0.0, 0.8, EASY_STOP_DECELERATION) == 0.0
+    assert gap_for_follower(5.0, 15.0, 0.8, EASY_STOP_DECELERATION) == 0.0
+
+
+@pytest.mark.parametrize(("ahead", "is_free"), [(-70.0, True), (-45.0, True), (-5.0, False), (0.0, False), (4.0, False)])
+def test_a_car_alongside_counts_where_the_lane_to_change_to_belongs_to_a_later_road(ahead, is_free):
+    ego = before("multi_lane_road", TO_THE_EXIT, 5.0, 19.4, lane=1)
+    seen = ego.seen(ego.other("x", "road_in_0", ahead - 5.0, 19.4, TO_THE_EXIT))
+    assert seen.neighbours[0].ahead == pytest.approx(ahead, abs=0.1)
+    assert (seek_gap(seen, ego.plan, CAR).stop is None) is is_free
+
+
+def test_who_is_on_the_later_road_is_as_far_ahead_as_c_is_long():
+    ego = before("multi_lane_road", TO_THE_EXIT, 5.0, 19.4, lane=1)
+    seen = ego.seen(ego.other("x", "road_before_exit_0", 10.0, 19.4, TO_THE_EXIT))
+    assert seen.neighbours[0].ahead == pytest.approx(15.0, abs=0.2)
+
+
+def changing(left: float, speed: float = 15.0) -> Situation:
+    """The ego that has just begun to change to the lane of the exit, its front bumper `left` m before the road's end."""
+    ego = before("multi_lane_road", TO_THE_EXIT[1:], left, speed, lane=1)
+    at = ego.graph.lanes["road_before_exit_1"].spine.length - left
+    start = PlanStart(ego.ego.pose, speed, 0.0, 100.0, "road_before_exit_1", at, 0)
+    return replace(ego, plan=plan(ego.graph, Route(TO_THE_EXIT[1:]), "passenger", CAR, start, change_now=-1))
+
+
+def beside(ego: Situation, left: float, ahead: float, speed: float = 15.0) -> RoadUser:
+    return ego.other("x", "road_before_exit_0", ahead - left, speed, TO_THE_EXIT[1:])
+
+
+@pytest.mark.parametrize("ahead", [-5.0, 0.0, 4.0])
+def test_a_change_that_has_just_begun_is_called_off_when_its_gap_has_closed(ahead):
+    ego = changing(200.0)
+    completed = ego.step(beside(ego, 200.0, ahead)).completed
+    assert (completed.request.what, completed.request.change_lane) == (Replanning.CURVE, 0)
+    assert completed.stop is None
+    assert [d.cause for d in completed.decisions if d.reason is Reason.GAP_CLOSED] == ["x"]
+
+
+@pytest.mark.parametrize("ahead", [-40.0, 40.0])
+def test_a_change_that_has_just_begun_goes_on_while_its_gap_is_open(ahead):
+    ego = changing(200.0)
+    assert ego.step(beside(ego, 200.0, ahead)).completed.request.what is Replanning.NOTHING
+
+
+def test_a_change_at_its_last_place_is_not_called_off():
+    ego = changing(40.0)
+    assert not seek_gap(ego.seen(beside(ego, 40.0, -5.0)), ego.plan, CAR).calls_off
+
+
+def test_a_change_is_not_called_off_when_the_body_is_over_the_line():
+    ego = changing(200.0)
+    seen = ego.seen(beside(ego, 200.0, -5.0))
+    assert seeks(seen, ego.plan)
+    later = seen._replace(s=0.35 * ego.plan.joins, front=0.35 * ego.plan.joins + CAR.front_overhang)
+    assert not seek_gap(later, ego.plan, CAR).calls_off
+
+
+def test_a_change_at_walking_pace_goes_on_when_who_is_behind_creeps_up():
+    ego = changing(200.0, 0.5)
+    near, beside_it = (seek_gap(ego.seen(beside(ego, 200.0, ahead, 0.6)), ego.plan, CAR) for ahead in (-6.0, -3.0))
+    assert (near.calls_off, beside_it.calls_off) == (False, True)

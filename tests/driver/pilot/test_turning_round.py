@@ -1,0 +1,139 @@
+"""Turning round in several moves: stop, arcs forwards and backwards by turns, then C from the lane turned into."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from helpers.cars import CAR
+from helpers.situations import before
+
+from sumo_reactive.driver.controller import Controller, replanned
+from sumo_reactive.driver.nouns.completed_plan import Replanning
+from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.plan import Move, Turnaround
+from sumo_reactive.driver.parameters import (
+    MOVE_BACK_SPEED,
+    MOVE_SPEED,
+    STANDING_SPEED,
+    TURNAROUND_PATIENCE_S,
+    WHEELS_TURNED_RAD,
+)
+from sumo_reactive.driver.pilot.turning_round import place_to_begin, turn_round
+
+STREET = ("eastbound", "eastbound_out")
+LOCK = 0.6
+
+
+def turning(away: float = 30.0, speed: float = 8.0):
+    """The ego before a turn in three moves, `away` m ahead of its bumper."""
+    ego = before("blocked_lane", STREET, 300.0, speed)
+    heading, bend = ego.ego.pose.heading, 0.56 / CAR.wheelbase
+    arcs = ((1, LOCK, 0.9), (-1, -LOCK, 1.6), (1, LOCK, 3.1))
+    moves = [Move(gear, angle, bend * gear, heading + until) for gear, angle, until in arcs]
+    moves[2] = replace(moves[2], is_last=True)
+    start = ego.seen().front + away
+    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, tuple(moves), 20.0, 5.0)
+    return replace(ego, plan=replace(ego.plan, turnarounds=(turn,))), turn
+
+
+def test_the_ego_stops_where_it_turns_round_and_says_why():
+    ego, turn = turning()
+    stop = ego.stop()
+    assert (stop.s, stop.reason) == (turn.start, Reason.NARROW_TURN)
+
+
+def test_moves_follow_one_another_each_from_a_stand_with_its_wheels_turned():
+    ego, turn = turning()
+    steps = ego.driven(45.0)
+    steps = steps[: next(k for k, step in enumerate(steps) if step.completed.request.onto)]
+    first = next(k for k, step in enumerate(steps) if step.completed.move is not None)
+    assert steps[first].snapshot.ego.speed < STANDING_SPEED
+    assert 0.0 < turn.start - steps[first].snapshot.front < 1.5
+    under_way = [step for step in steps if step.completed.move is not None]
+    order = [step.completed.move for step in under_way]
+    assert [move for k, move in enumerate(order) if k == 0 or move is not order[k - 1]] == list(turn.moves)
+    for step in under_way:
+        move, after = step.completed.move, step.drive.ego
+        assert -MOVE_BACK_SPEED - 1e-6 <= after.speed <= MOVE_SPEED + 1e-6
+        assert after.speed * move.gear > -1e-6
+        if abs(after.speed) > 0.2:
+            assert after.steering_angle == pytest.approx(move.steering_angle, abs=WHEELS_TURNED_RAD)
+
+
+def test_after_the_last_move_the_pilot_asks_for_a_curve_on_the_lane_turned_into():
+    ego, turn = turning()
+    asked = [step for step in ego.driven(45.0) if step.completed.request.onto]
+    assert asked
+    request = asked[0].completed.request
+    assert (request.what, request.onto, request.route_index) == (Replanning.CURVE, "eastbound_out_0", 1)
+    ego_then = asked[0].snapshot.ego
+    assert ego_then.pose.heading == pytest.approx(turn.moves[2].until, abs=0.03)
+    assert abs(ego_then.steering_angle) < WHEELS_TURNED_RAD
+    assert abs(ego_then.speed) < STANDING_SPEED
+
+
+def test_the_ego_does_not_begin_while_another_place_keeps_it_there():
+    ego, turn = turning(1.0, 0.0)
+    snapshot = ego.seen()
+    stops = (StopAt(turn.line, Reason.RED_LIGHT), StopAt(turn.end + 3.0, Reason.RED_LIGHT), StopAt(60.0, Reason.YIELD_TO))
+    for stop, begins in zip((None, *stops), (True, False, False, True), strict=True):
+        assert (turn_round(snapshot, ego.plan, stop, ego.memory) is not None) is begins
+
+
+def test_a_move_waits_while_somebody_is_in_its_way_and_goes_on_then():
+    ego, _ = turning(1.0, 0.0)
+    blocker = ego.ahead("x", 1.0, 0.0)
+    steps = ego.driven_among(lambda past: [blocker] if past < 8.0 else [], 14.0)
+    moved = [step.snapshot.front - ego.seen().front for step in steps]
+    assert max(moved[:79]) < 0.9
+    assert steps[-1].drive.ego.pose.heading > ego.ego.pose.heading + 0.3
+
+
+def test_the_ego_makes_its_full_stop_where_it_turns_round():
+    ego = before("blocked_lane", STREET, 10.0, 5.0)
+    passage = ego.plan.passages[0]
+    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", 0, "eastbound_out_0", 1, (), 20.0, 5.0)
+    (way,) = replace(ego, plan=replace(ego.plan, turnarounds=(turn,))).considered().ways
+    assert (way.turn, way.line) == (turn, turn.start)
+    assert ego.considered().ways[0].line == passage.start
+
+
+def test_an_ego_that_is_kept_from_a_move_for_long_goes_on_in_one_sweep():
+    ego, _ = turning(1.0, 0.0)
+    blocker = ego.ahead("x", 0.6, 0.0)
+    steps = ego.driven(30.0, blocker)
+    asked = [step.completed for step in steps if step.completed.request.what is Replanning.CURVE]
+    assert asked
+    assert not asked[0].request.onto
+    assert any(decision.reason is Reason.NO_PROGRESS for decision in asked[0].decisions)
+
+
+def test_who_comes_over_the_ground_is_let_pass_but_not_for_ever():
+    ego, turn = turning(1.0, 0.0)
+    snapshot = ego.seen()
+    assert turn_round(snapshot, ego.plan, None, ego.memory) is not None
+    assert turn_round(snapshot, ego.plan, None, ego.memory, comes_over="x") is None
+    stop = place_to_begin(snapshot, ego.plan, ego.memory, "x")
+    assert (stop.s, stop.reason, stop.cause) == (turn.start, Reason.COMES_OVER, "x")
+    patient = ego.memory._replace(standing_since=snapshot.time - TURNAROUND_PATIENCE_S)
+    assert turn_round(snapshot, ego.plan, None, patient, comes_over="x") is not None
+
+
+@pytest.mark.parametrize("is_blocked", [True, False])
+def test_a_turn_that_is_over_or_given_up_within_a_coarse_step_is_not_begun_anew_before_the_step_ends(is_blocked):
+    ego, _ = turning(1.0, 0.0)
+    users = (ego.ahead("x", 0.6, 0.0),) if is_blocked else ()
+    before_it, asks = next(pair for pair in pairwise(ego.driven(45.0, *users)) if pair[1].completed.awaits_plan)
+    traffic = ego.traffic(*users)
+    coarse = Controller(ego.graph, CAR).step(replace(traffic, time=asks.snapshot.time), before_it.drive, 1.0)
+    assert coarse.completed.request == asks.completed.request
+    assert coarse.completed.move is before_it.completed.move
+    assert coarse.drive.memory.move is None
+    assert abs(coarse.drive.ego.speed) < STANDING_SPEED
+
+
+def test_on_a_new_plan_no_move_of_the_old_one_is_under_way():
+    ego, _ = turning(1.0, 0.0)
+    drive = ego.driven(2.0)[-1].drive
+    assert drive.memory.move is not None
+    assert replanned(drive, ego.plan, ego.time).memory.move is None

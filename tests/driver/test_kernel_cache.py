@@ -1,0 +1,120 @@
+"""Kernels on disk: what is damaged or cannot be kept is compiled again, in one line."""
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import sumo_reactive
+from sumo_reactive.driver.compilation import KERNEL_ROOMS
+from sumo_reactive.driver.kernel_cache import KernelCache
+
+CODE = """
+from pathlib import Path
+import resource, sys
+import numba
+from sumo_reactive.driver.kernel_cache import KernelCache
+
+def inner(x):
+    return 2.0 * x
+
+def outer(x):
+    return doubled(x) + 1.0
+
+doubled, found = numba.njit(inner), numba.njit(outer)
+for function in (doubled, found):
+    function._cache = KernelCache(function.py_func, Path(sys.argv[1]))
+if len(sys.argv) > 2:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+print(found(20.5), sum(found.stats.cache_hits.values()))
+"""
+
+
+def called(folder, *more):
+    """Call a kernel in a new process: its value, how often it came from the disk, what was said."""
+    command = [sys.executable, "-c", CODE, str(folder), *more]
+    answer = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    return *answer.stdout.split(), answer.stderr
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """A folder with two kernels."""
+    folder = tmp_path / "kernels"
+    folder.mkdir(mode=0o700)
+    assert called(folder) == ("42.0", "0", "")
+    assert len(list(folder.iterdir())) == 2
+    return folder
+
+
+def test_a_kernel_comes_from_the_disk(kept):
+    assert called(kept) == ("42.0", "1", "")
+
+
+def halved(content):
+    return content[: len(content) // 2]
+
+
+def turned(content):
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+class Planted:
+    """What would run if it were loaded."""
+
+    def __reduce__(self):
+        return exec, ("raise SystemExit('loaded')",)
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda _: b"", lambda _: b"text", halved, turned, lambda _: pickle.dumps(Planted())],
+    ids=["empty", "text", "cut off", "one bit", "another pickle"],
+)  # fmt: skip
+def test_a_damaged_kernel_is_compiled_again_and_one_line_says_so(kept, damage):
+    for file in kept.iterdir():
+        file.write_bytes(damage(file.read_bytes()))
+    assert called(kept) == ("42.0", "0", f"{kept}: damaged kernels are compiled again\n")
+    assert called(kept) == ("42.0", "1", "")
+
+
+def test_a_folder_that_others_can_write_to_is_neither_read_nor_written(kept):
+    kept.chmod(0o777)
+    (removed, *_) = kept.iterdir()
+    removed.unlink()
+    assert called(kept) == ("42.0", "0", "")
+    assert not removed.exists()
+
+
+def test_a_folder_that_is_gone_is_not_made_again(tmp_path):
+    assert called(tmp_path / "gone") == ("42.0", "0", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_room_kernels_are_not_kept_and_the_run_goes_on(tmp_path):
+    value, hits, said = called(tmp_path, "no room")
+    assert (value, hits) == ("42.0", "0")
+    assert all("compiled kernels are not kept: " in line and "File too large" in line for line in said.splitlines())
+    assert said and list(tmp_path.iterdir()) == []
+
+
+def test_other_kinds_of_arguments_have_a_file_of_their_own(tmp_path):
+    tmp_path.chmod(0o700)
+    caches = KernelCache(halved, tmp_path), KernelCache(turned, tmp_path)
+    files = {cache._file(kinds, Codegen()) for cache in caches for kinds in ("f", "i")}
+    assert len(files) == 4
+
+
+class Codegen:
+    """The code generator of some machine."""
+
+    def magic_tuple(self):
+        return "x86_64", "some processor", ""
+
+
+def test_every_room_with_a_kernel_is_in_the_name_of_the_folder():
+    package = Path(sumo_reactive.__file__).parent
+    holding = {file.parent for file in package.rglob("*.py") if "\n@kernel\n" in file.read_text(encoding="utf-8")}
+    assert {folder.relative_to(package).as_posix() for folder in holding} == set(KERNEL_ROOMS)

@@ -1,0 +1,56 @@
+"""What a scenario file expects, held against what a trial came to."""
+
+import pytest
+from helpers.results import result
+
+from sumo_reactive.driver.nouns.event import EventKind
+from sumo_reactive.lab.expectation import Expectation, Limit, unmet
+from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.result import Collision, Violation
+
+CRASH = Collision(12.34, "veh_12", "a_0")
+RED = Violation(8.0, "red light run", "a_0")
+
+
+def test_a_clean_arrival_is_what_is_expected_of_everybody():
+    assert unmet(Expectation(), result()) == ()
+
+
+def test_what_did_not_come_is_named():
+    found = unmet(Expectation(), result(arrived=False, ended="until 35 s", collisions=(CRASH,), violations=(RED,)))
+    assert found == ("did not arrive (until 35 s)", "collision with veh_12 at 12.3 s", "red light run at 8.0 s")
+
+
+def test_more_faults_may_be_allowed():
+    assert unmet(Expectation(collisions=1), result(collisions=(CRASH,))) == ()
+    (reason,) = unmet(Expectation(collisions=1), result(collisions=(CRASH, CRASH)))
+    assert reason.startswith("2 collisions, expected at most 1: collision with veh_12")
+
+
+def test_an_ego_may_be_expected_not_to_arrive():
+    assert unmet(Expectation(arrived=False), result(arrived=False)) == ()
+    assert unmet(Expectation(arrived=False), result()) == ("arrived at 35.0 s, expected not to",)
+
+
+@pytest.mark.parametrize(
+    ("limit", "reasons"),
+    [
+        (Limit(max=30.0), ()),
+        (Limit(min=30.0), ()),
+        (Limit(max=29.5), ("duration_s is 30, expected at most 29.5",)),
+        (Limit(min=31.0, max=40.0), ("duration_s is 30, expected at least 31",)),
+    ],
+)
+def test_a_metric_stays_within_its_limits(limit, reasons):
+    assert unmet(Expectation(metrics={"duration_s": limit}), result()) == reasons
+
+
+def test_a_metric_without_a_value_is_beyond_every_measure():
+    nobody = result(figures={"min_post_encroachment_s": None})
+    assert unmet(Expectation(metrics={"min_post_encroachment_s": Limit(min=1.0)}), nobody) == ()
+    (reason,) = unmet(Expectation(metrics={"min_post_encroachment_s": Limit(max=1.0)}), nobody)
+    assert reason == "min_post_encroachment_s is none, expected at most 1"
+
+
+def test_every_kind_of_event_has_its_metric():
+    assert {f"events_{kind.name.lower()}" for kind in EventKind} <= set(METRICS)

@@ -1,0 +1,72 @@
+"""Experiment files: what is wrong is told with file, line and key, before anything runs."""
+
+from pathlib import Path
+
+import pytest
+
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.batch.experiment_file import load_experiment
+from sumo_reactive.lab.process.driver import Driver
+from sumo_reactive.lab.scenario import load_scenario_file
+
+ROOT = Path(__file__).parents[2]
+FOUR_WAY = f"{ROOT}/scenarios/four_way_priority.toml"
+HEAD = f'[experiment]\nscenarios = ["{FOUR_WAY}"]\n'
+
+
+def written(folder, text):
+    file = folder / "e.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_what_is_left_out_comes_from_the_scenario(tmp_path):
+    experiment = load_experiment(written(tmp_path, HEAD))
+    (choice,) = experiment.choices
+    assert (choice.seeds, choice.egos, choice.scenario.ego) == (load_scenario_file(Path(FOUR_WAY)).seeds, (), "ego")
+    assert experiment.store == tmp_path / "e.duckdb"
+    assert experiment.keys.drivers == [Driver.REACTIVE, Driver.SUMO]
+
+
+def test_values_alone_are_grids_of_one(tmp_path):
+    text = HEAD + "[parameters]\nSTUCK_S = 5.0\nPROGRESS_M = [1.0, 2]\n[options]\nscale = 1.5\n"
+    experiment = load_experiment(written(tmp_path, text))
+    assert experiment.grid == {"STUCK_S": [5.0], "PROGRESS_M": [1.0, 2.0]}
+    assert experiment.options == {"scale": [1.5]}
+
+
+def test_the_example_of_this_repository_is_read():
+    assert len(load_experiment(ROOT / "experiments" / "grid.toml").choices) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("", 0, "missing key 'experiment'"),
+        ("[experiment]\nscenarios = []\n", 2, "key 'experiment.scenarios'"),
+        (HEAD + "seedz = [1]\n", 3, "unknown key 'experiment.seedz'; near it: seeds"),
+        (HEAD + "seeds = [1, 2, 1]\n", 3, "named twice"),
+        (HEAD + 'seeds = ["1"]\n', 3, "key 'experiment.seeds.0'"),
+        (HEAD + 'drivers = ["human"]\n', 3, "key 'experiment.drivers.0'"),
+        (HEAD + 'metrics = [\n  "arrived",\n  "durations",\n]\n', 3, "unknown metric 'durations'; near it: duration_s"),
+        ('[experiment]\n\nscenarios = ["nowhere.toml"]\n', 3, "nowhere.toml: no such file"),
+        (HEAD + "\n[parameters]\nSTUCK = 1.0\n", 5, "unknown parameter 'STUCK'; near it: STUCK_S"),
+        (HEAD + "\n[parameters]\nSTUCK_S = []\n", 5, "no value"),
+        (HEAD + "\n[parameters]\nSTUCK_S = [true]\n", 5, "STUCK_S"),
+        (HEAD + "\n[parameters]\nMAX_TRIALS = 1.5\n", 5, "not a whole number"),
+        (HEAD + "[egos]\nnames = []\n", 4, "names nobody"),
+        (HEAD + '[egos]\nnames = ["a"]\ndrawn = 3\n', 5, "there are 'names' already"),
+        (HEAD + '[egos.names]\n"other.toml" = ["a"]\n', 4, "no scenario of this experiment"),
+        (HEAD + "[samples]\ncount = 0\nparameters = {STUCK_S = [1.0, 2.0]}\n", 4, "key 'samples.count'"),
+        (HEAD + "[samples]\ncount = 2\n[samples.parameters]\nSTUCK_S = [2.0, 1.0]\n", 6, "not a range [low, high]"),
+        (HEAD + '[options]\ntripinfo-output = "t.xml"\n', 4, "an output that every trial would write to"),
+        (HEAD + "[options]\nseed = 3\n", 4, "'seeds'"),
+        (HEAD + "[experiment]\n", 3, "not TOML"),
+    ],
+)
+def test_a_problem_is_told_with_its_line_and_key(tmp_path, text, line, said):
+    file = written(tmp_path, text)
+    with pytest.raises(ScenarioError) as raised:
+        load_experiment(file)
+    assert str(raised.value).startswith(f"{file}:{line}: " if line else f"{file}: ")
+    assert said in str(raised.value)

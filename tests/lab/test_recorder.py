@@ -1,0 +1,207 @@
+"""The record of a run: complete or not there at all."""
+
+import json
+import math
+
+import duckdb
+import numpy as np
+import pytest
+from scenes import record
+
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.errors import OutputError, ScenarioError
+from sumo_reactive.lab.recorder import Recorder
+from sumo_reactive.lab.result import Collision, TrialResult, Violation
+from sumo_reactive.lab.summary import rows_of
+from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
+from sumo_reactive.lab.trajectory import COLUMNS
+
+
+def result(**others):
+    values = {
+        "scenario": "a.sumocfg",
+        "ego": "cab",
+        "chosen": "as named",
+        "seed": 42,
+        "step_length_s": 0.1,
+        "profile": "default",
+        "arrived": True,
+        "ended": "arrived",
+        "begin_s": 0.0,
+        "departure_s": 5.0,
+        "end_s": 35.0,
+        "time_loss_s": 3.0,
+        "distance_m": 200.0,
+        "figures": {"min_time_to_collision_s": math.inf, "collisions": 0},
+    }
+    return TrialResult(**(values | others))
+
+
+def recorded(folder, **options):
+    recorder = Recorder(folder, **options)
+    for k in range(3):
+        recorder.see(Scene(record(0.1 * k, x=float(k)), ()))
+    recorder.write(result())
+
+
+def test_the_exit_code_and_the_verdict_follow_from_what_happened():
+    assert (result().exit_code, result().verdict) == (0, "arrived without a violation")
+    hit = result(collisions=(Collision(41.3, "veh_12", "a_0"),))
+    assert (hit.exit_code, hit.verdict) == (1, "collision with veh_12 at 41.3 s")
+    assert result(violations=(Violation(3.0, "red light run", "a_0"),)).verdict == "red light run at 3.0 s"
+    assert result(arrived=False, ended="until 60 s").verdict == "did not arrive (until 60 s)"
+
+
+def test_the_rows_name_verdict_and_overrides():
+    rows = dict(rows_of(result(overrides=(("random", "true", "false"),))))
+    assert rows["ego"] == "cab (as named)"
+    assert rows["override random"] == "true → false"
+
+
+def world(*region_ids):
+    """Return a world of square conflict regions and nothing else."""
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.23456]])
+    meeting = ConflictKind.CROSSING, "a", "b", Interval(0.0, 1.0), Interval(0.0, 1.0), square
+    regions = tuple(ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids)
+    return RoadGraph({}, {}, {}, {}, {}, {}, {}, {"a": regions}, {}, False)
+
+
+def test_the_rows_tell_how_many_steps_needed_no_pilot():
+    rows = dict(rows_of(result(figures={"pilot_free_share": 0.9312})))
+    assert rows["steps without the pilot"] == "0.93"
+
+
+def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):
+    waits = Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "decided", "veh_12")
+    recorder = Recorder(tmp_path / "out")
+    recorder.see(Scene(record(0.0, decisions=(waits,)), ()))
+    recorder.see(Scene(record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),)), ()))
+    recorder.survey(world("decided", "claimed", "elsewhere"))
+    recorder.write(result())
+    outlines = json.loads((tmp_path / "out" / "regions.json").read_text(encoding="utf-8"))
+    square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.235]]
+    assert outlines == {"decided": square, "claimed": square}
+
+
+def test_a_record_has_four_files_and_nothing_beside_them(tmp_path):
+    recorded(tmp_path / "deep" / "out")
+    assert [path.name for path in (tmp_path / "deep").iterdir()] == ["out"]
+    names = sorted(path.name for path in (tmp_path / "deep" / "out").iterdir())
+    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+    summary = json.loads((tmp_path / "deep" / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["exit_code"], summary["duration_s"]) == (0, 30.0)
+    assert summary["figures"]["min_time_to_collision_s"] is None
+
+
+def test_the_trajectory_has_a_row_a_step_and_a_column_a_field(tmp_path):
+    assert set(COLUMNS) == set(StepRecord._fields) - {"decisions", "events", "assessment", "regions"}
+    recorded(tmp_path / "it's")
+    table = duckdb.read_parquet(str(tmp_path / "it's" / "trajectory.parquet"))
+    assert table.columns == list(COLUMNS.values())
+    assert table.select("time_s, x_m, lane_id, gap_m").fetchall()[1] == (0.1, 1.0, "road_0", None)
+
+
+def test_a_run_without_steps_can_be_recorded(tmp_path):
+    Recorder(tmp_path / "out").write(result(arrived=False))
+    assert duckdb.read_parquet(str(tmp_path / "out" / "trajectory.parquet")).fetchall() == []
+
+
+def test_another_run_is_kept_unless_overwriting_is_asked_for(tmp_path):
+    recorded(tmp_path / "out")
+    (tmp_path / "out" / "tripinfo.xml").touch()
+    with pytest.raises(ScenarioError, match="holds another run"):
+        recorded(tmp_path / "out")
+    recorded(tmp_path / "out", overwrite=True)
+    assert (tmp_path / "out" / "tripinfo.xml").exists()
+
+
+def test_overwriting_leaves_nothing_of_the_run_before(tmp_path):
+    recorded(tmp_path / "out")
+    (tmp_path / "out" / "report.html").write_text("the run before", encoding="utf-8")
+    recorded(tmp_path / "out", overwrite=True)
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+
+
+def test_an_empty_folder_is_fine_and_a_file_is_not(tmp_path):
+    (tmp_path / "empty").mkdir()
+    recorded(tmp_path / "empty")
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="a file, not a folder"):
+        Recorder(tmp_path / "file")
+    with pytest.raises(OutputError, match="cannot be written"):
+        Recorder(tmp_path / "file" / "out")
+
+
+def test_a_record_that_fails_leaves_nothing(tmp_path):
+    recorder = Recorder(tmp_path / "out")
+    with pytest.raises(TypeError):
+        recorder.write(result(figures={"x": object()}))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_decisions_are_written_where_they_change_and_where_an_emergency_begins():
+    red = Decision(Behaviour.CAUTIOUS, Reason.RED_LIGHT, "r", "tl", figures=(("gap_m", 10.0),))
+    nearer = Decision(Behaviour.CAUTIOUS, Reason.RED_LIGHT, "r", "tl", figures=(("gap_m", 9.0),))
+    steps = [
+        record(0.0),
+        record(0.1, decisions=(red,)),
+        record(0.2, decisions=(nearer,)),
+        record(0.3, decisions=(nearer,), emergency=True),
+        record(0.4, decisions=(nearer,), emergency=True),
+        record(0.5),
+    ]
+    lines = [line_of(entry) for entry in entries(steps)]
+    assert [line["time_s"] for line in lines] == [0.0, 0.1, 0.3, 0.5]
+    assert lines[1]["decisions"][0]["reason"] == "the light is red"
+    assert [line.get("emergency") for line in lines] == [None, None, True, None]
+
+
+def test_another_instruction_begins_another_line():
+    steps = [record(0.0), record(0.1, instruction="pull out and pass"), record(0.2, instruction="return to C")]
+    assert [entry.instruction for entry in entries(steps)][1:] == [Instruction.OVERTAKE, Instruction.RETURN]
+
+
+def test_a_line_holds_the_events_of_the_last_activation():
+    light = Event(EventKind.LIGHT_CHANGE, "tl")
+    steps = [record(0.0, events=(light,), pilot=True), record(0.1, emergency=True)]
+    assert [entry.events for entry in entries(steps)] == [(light,), (light,)]
+
+
+def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
+    step = record(
+        1.5,
+        behaviour="cautious driving",
+        instruction="stop at the place named",
+        emergency=True,
+        events=(Event(EventKind.NEW_OBSTACLE, "veh_12"), Event(EventKind.STANDSTILL)),
+        assessment=Assessment(Outcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
+        decisions=(Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "r", "veh_12", False, (("arrival_s", math.inf),)),),
+        regions=(RegionState("r", Occupancy.OCCUPIED, "veh_12"),),
+    )
+    (entry,) = entries([step])
+    line = json.dumps(line_of(entry), allow_nan=False)
+    assert entry_of(json.loads(line)) == entry
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(line + "\n", encoding="utf-8")
+    assert read_entries(path) == (entry,)
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ('{"time_s": 1.0}', "1: not a record of this release: key 'events' is missing"),
+        ("[1]", "1: not a record"),
+        ("{", "1: not a record"),
+    ],
+)
+def test_a_line_of_another_kind_is_refused_with_its_place(tmp_path, line, complaint):
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(line, encoding="utf-8")
+    with pytest.raises(ScenarioError, match=f"jsonl:{complaint}"):
+        read_entries(path)

@@ -1,0 +1,91 @@
+"""Trials in child processes: what happens to one is told, and the next one runs."""
+
+import os
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import psutil
+import pytest
+
+from sumo_reactive.lab.process.driver import Driver
+from sumo_reactive.lab.process.runner import Ending, Runner, Task, run_all
+from sumo_reactive.lab.scenario import load_scenario
+
+LIMIT_S = 200.0
+FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario(FOUR_WAY)
+
+
+@pytest.fixture(scope="module")
+def runner():
+    with Runner() as one:
+        yield one
+
+
+def children():
+    return [one for one in psutil.Process().children() if any("trial_process" in word for word in one.cmdline())]
+
+
+def test_the_same_trial_twice_with_others_between_is_the_same(runner, scenario):
+    first, other, again = (runner.run(Task(replace(scenario, seed=seed)), LIMIT_S) for seed in (42, 7, 42))
+    baseline = runner.run(Task(scenario, Driver.SUMO), LIMIT_S)
+    assert {one.ending for one in (first, other, again, baseline)} == {Ending.DONE}
+    assert first.trajectory == again.trajectory != other.trajectory
+    assert first.result.metrics == again.result.metrics
+    assert first.entries == again.entries and first.entries
+    assert not baseline.entries and baseline.trajectory != first.trajectory
+
+
+def test_what_the_user_did_wrong_is_a_line(runner, scenario):
+    unknown = runner.run(Task(replace(scenario, ego="nobody")), LIMIT_S)
+    assert (unknown.ending, unknown.result) == (Ending.FAILED, None) and "nobody" in unknown.reason
+    misspelt = runner.run(Task(scenario, parameters={"STUKC_S": 1.0}), LIMIT_S)
+    assert misspelt.reason.startswith("unknown parameter 'STUKC_S'; near it: STUCK_S")
+
+
+def test_parameters_count_in_a_process_of_their_own(runner, scenario):
+    short = runner.run(Task(scenario, parameters={"STUCK_S": 1.0}), LIMIT_S)
+    assert short.result is not None and not short.result.arrived and "stood still for 1 s" in short.result.ended
+    assert runner.run(Task(scenario), LIMIT_S).result.arrived
+
+
+def test_a_limit_and_a_kill_end_one_trial(runner, scenario):
+    assert runner.run(Task(scenario), 0.02).ending is Ending.TIMEOUT
+    assert runner.run(Task(scenario), LIMIT_S).ending is Ending.DONE
+
+    def kill():
+        time.sleep(0.15)
+        children()[0].kill()
+
+    threading.Thread(target=kill).start()
+    killed = runner.run(Task(replace(scenario, until_end=True)), LIMIT_S)
+    assert killed.ending is Ending.CRASHED and killed.reason == "the process was killed by SIGKILL"
+    assert runner.run(Task(scenario), LIMIT_S).ending is Ending.DONE
+
+
+def test_outcomes_come_in_the_order_of_the_tasks_and_nothing_stays(scenario):
+    seen = []
+    tasks = [Task(replace(scenario, seed=seed)) for seed in (5, 1, 3)]
+    outcomes = list(run_all(tasks, 2, LIMIT_S, seen.append))
+    assert [one.task.scenario.seed for one in outcomes] == [5, 1, 3] and len(seen) == 3
+    some = run_all(tasks, 2, LIMIT_S)
+    next(some)
+    some.close()
+    assert len(children()) <= 1  # the one of the fixture
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="signals")
+def test_a_process_whose_caller_is_gone_ends(scenario):
+    one = Runner()
+    one.run(Task(scenario), LIMIT_S)
+    (child,) = [child for child in children() if child.pid == one._child._process.pid]
+    one._child._stdin.close()
+    psutil.wait_procs([child], timeout=10)
+    assert not child.is_running() or child.status() == psutil.STATUS_ZOMBIE
+    one.close()
