@@ -95,7 +95,7 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
     """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
     found = []
     for connection, began, ended in reference.passages:
-        if not leads_back(reference.graph, connection.id):
+        if began < 0.0 or not leads_back(reference.graph, connection.id):  # it has begun before the plan does
             continue
         before = _index_of(reference, began)
         around = road_around(reference.graph, connection.id, route.edges, before, limits)

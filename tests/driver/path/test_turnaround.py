@@ -93,3 +93,10 @@ def test_a_car_past_the_beginning_of_the_moves_is_planned_without_them():
     world = dead_end()
     found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start_on(world.lanes["a_0"], 99.9))
     assert found.turnarounds == ()
+
+
+def test_a_car_inside_the_turn_is_planned_without_its_moves():
+    world = dead_end()
+    inside = world.connections["a_0->b_0"].parts[0]
+    found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start_on(world.lanes[inside], 2.0))
+    assert found.turnarounds == ()
