@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.controller import Profile
 from sumo_reactive.errors import ReactiveError
-from sumo_reactive.executor.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.executor.command_grid import CommandGrid, lattice, paper_grid
 from sumo_reactive.experiment.scenario import load_scenario
 from sumo_reactive.experiment.trial import run_trial
 from sumo_reactive.messages.record import Scene
@@ -196,7 +196,7 @@ def _header() -> str:
 
 def spaces() -> dict[str, tuple[int, float]]:
     """Return the size of the command space and the longest δt (s) of each profile."""
-    fine = fine_grid(_CAR, 10.0, 0.0, 0.0, 0.0, CONTROL_PERIOD_S)
+    fine = lattice(_CAR, 10.0, 0.0, CONTROL_PERIOD_S)
     paper = paper_grid(_CAR, 10.0, PAPER_CONTROL_PERIOD_S)
     return {"default": (_size(fine), CONTROL_PERIOD_S), "paper": (_size(paper), PAPER_CONTROL_PERIOD_S)}
 
