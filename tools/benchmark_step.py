@@ -3,7 +3,7 @@
 
     python tools/benchmark_step.py [--repeats N] [--starts N]
 
-Control step: perceive, decide if an event asks for it, and execute with 81 commands on a frozen scene: the ego comes up
+Control step: perceive, decide if an event asks for it, and execute on a frozen scene: the ego comes up
 the minor road of `networks/four_way_priority` to turn left, ten cars are near. Each time is given twice: by the wall's
 clock, which counts what other processes take, and by the processor's, which does not. Start-up: the processor's time from
 the start of a Python process to the end of the first control step of a run, kernels cached, and the whole by the wall's
@@ -82,7 +82,7 @@ def time_step(repeats: int) -> None:
     controller, traffic, drive = scene()
     step = controller.step(traffic, drive, PERIOD_S)
     near, foes, obstacles = len(step.snapshot.boxes), len(step.snapshot.foes), len(step.snapshot.on_path)
-    print(f"\ncontrol step, 81 commands, {near} cars near, {foes} foes at regions, {obstacles} on the path (µs)")
+    print(f"\ncontrol step, {near} cars near, {foes} foes at regions, {obstacles} on the path (µs)")
     print(f"  {'':24}{'mean':>8}{'p50':>8}{'p99':>8}{'max':>9}{'mean cpu':>10}{'p99 cpu':>9}{'max cpu':>9}")
     for name, call in stages(controller, traffic, drive).items():
         print(f"  {name:24}{_row(*_timed(call, repeats))}")

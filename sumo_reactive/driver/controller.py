@@ -33,7 +33,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
 class Profile(Enum):
-    """`DEFAULT`: 81 commands, exact distances. `PAPER`: nine commands, bitmaps, δt = 0.5 s (F&L 1991, §4)."""
+    """`DEFAULT`: a refined lattice, exact distances. `PAPER`: nine commands, bitmaps, δt = 0.5 s (F&L 1991, §4)."""
 
     DEFAULT = "default"
     PAPER = "paper"

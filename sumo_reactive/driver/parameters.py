@@ -523,7 +523,7 @@ UPDATE_ASIDE_M = 4.0
 
 # --- executor ---------------------------------------------------------------------------------------------------------
 COMFORT_JERK = 8.0
-"""m/s³; the fine grid changes the acceleration by no more, unless safety needs it."""
+"""m/s³; the lattice of commands changes the acceleration by no more, unless safety needs it."""
 
 LOOK_AHEAD_S = 0.2
 """U₁ is taken where the front axle will be this long after the control period, the steering held."""
@@ -582,9 +582,6 @@ PAPER_LATERAL_STEP = 1.1
 
 PAPER_STEERING_SPEED = 4.0
 """m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
-
-STEERING_GAIN = 1.0
-"""1/s; how fast the centre of the fine grid steers a lateral error away (Hoffmann et al., ACC 2007)."""
 
 TIME_TOLERANCE_S = 2.0
 """The ego slows down for a time constraint only if it would be earlier than this."""

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.parameters import (
     COMFORT_JERK,
     MAX_LATERAL_JERK,
@@ -18,18 +17,26 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 Array = NDArray[np.float64]
 
-_STEERING_LEVELS = np.array([-1.0, -0.42, -0.125, -0.016, 0.0, 0.016, 0.125, 0.42, 1.0])
-"""Cubically spaced levels: fine about straight on, where high speed needs it, full at the ends."""
+_STEERING_LEVELS = np.array([-1.0, -0.3, -0.06, 0.0, 0.06, 0.3, 1.0])
+"""Cubically spaced levels: fine about a held wheel, where high speed needs it, full at the ends."""
 
-_JERK_LEVELS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+_JERK_LEVELS = np.array([-1.0, 0.0, 1.0])
 """Levels within the comfortable change of acceleration."""
 
 
+ROUNDS = 3
+"""The nodes of the last lattice lie 27 times as close as those of the first."""
+
+
 class CommandGrid(NamedTuple):
-    """Accelerations (a,) in m/s² and steering rates (w,) in rad/s; the command space is their product."""
+    """Accelerations (a,) in m/s² and steering rates (w,) in rad/s, both rising; the command space is their product.
+
+    It is searched `rounds` times more, each time by a finer lattice around the best command so far.
+    """
 
     accelerations: Array
     steering_rates: Array
+    rounds: int = 0
 
 
 def steering_rate_limit(limits: VehicleLimits, speed: float) -> float:
@@ -55,38 +62,20 @@ def paper_grid(limits: VehicleLimits, speed: float, period: float) -> CommandGri
     )
 
 
-def fine_grid(
-    limits: VehicleLimits, speed: float, acceleration: float, wanted: float, steering: float, period: float
-) -> CommandGrid:
-    """A 9 × 9 grid that is fine where the ego is and reaches everything it can do.
+def lattice(limits: VehicleLimits, speed: float, acceleration: float, period: float) -> CommandGrid:
+    """A lattice over what the car can do, whatever C and v_d ask for: at most 6 × 7 commands, made finer in `ROUNDS`.
 
-    Five accelerations lie within the comfortable jerk of the present `acceleration`, one is the `wanted` one, three brake
-    ever harder. After harder braking than planned they lie about the planned one: an emergency ends at once. Steering
-    rates lie around `steering`, the rate that C asks for.
+    Three accelerations span the comfortable jerk about the present `acceleration`, three brake ever harder. After harder
+    braking than planned they lie about the planned one: an emergency ends at once.
     """
-    planned = limits.planned_deceleration
-    accelerations, rates = _fine_axes(
-        max(acceleration, -planned), wanted, steering, steering_rate_limit(limits, speed), COMFORT_JERK * period,
-        planned, limits.emergency_deceleration, limits.max_acceleration,
-    )  # fmt: skip
-    return CommandGrid(accelerations, rates)
-
-
-@kernel
-def _fine_axes(
-    acceleration: float, wanted: float, steering: float, top: float, change: float, planned: float, emergency: float,
-    most: float,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Return both axes of the fine grid; `change` (m/s²) is what the comfortable jerk allows, `top` φ̇max (rad/s)."""
-    nodes = np.empty(9)
-    nodes[:5] = acceleration + change * _JERK_LEVELS
-    nodes[5] = min(wanted, acceleration + change)
-    nodes[6], nodes[7], nodes[8] = -planned, -0.5 * (planned + emergency), -emergency
-    rates = min(max(steering, -top), top) + top * _STEERING_LEVELS
-    return np.minimum(np.maximum(nodes, -emergency), most), np.minimum(np.maximum(rates, -top), top)
+    planned, emergency, change = limits.planned_deceleration, limits.emergency_deceleration, COMFORT_JERK * period
+    gentle = max(acceleration, -planned) + change * _JERK_LEVELS
+    hard = (-emergency, -0.5 * (planned + emergency), -planned)
+    nodes = np.unique(np.clip(np.concatenate((hard, gentle)), -emergency, limits.max_acceleration))
+    return CommandGrid(nodes, steering_rate_limit(limits, speed) * _STEERING_LEVELS, ROUNDS)
 
 
 def wide_grid(limits: VehicleLimits) -> CommandGrid:
     """A 9 × 21 grid over all that the car can do: the way out of a local minimum of the usual ones."""
     accelerations = np.linspace(-limits.emergency_deceleration, limits.max_acceleration, 9)
-    return CommandGrid(accelerations, np.linspace(-limits.max_steering_rate, limits.max_steering_rate, 21))
+    return CommandGrid(accelerations, np.linspace(-limits.max_steering_rate, limits.max_steering_rate, 21), ROUNDS)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.field.command_grid import CommandGrid, fine_grid, gentlest_brake, paper_grid, wide_grid
+from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, lattice, paper_grid, wide_grid
 from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
@@ -37,7 +37,6 @@ from sumo_reactive.driver.parameters import (
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
     SPEED_SLACK,
-    STEERING_GAIN,
     STOP_LINE_MARGIN_M,
     TIME_TOLERANCE_S,
 )
@@ -243,16 +242,6 @@ def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) 
     return min(needed, limits.emergency_deceleration)
 
 
-def steering_rate_of_curve(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
-    """The steering rate (rad/s) that turns the front wheels' velocity along C, and back onto it, within one period."""
-    ego = snapshot.ego
-    turn = ego.speed * math.sin(ego.steering_angle) / limits.wheelbase * period
-    ahead = snapshot.s + 0.5 * ego.speed * period
-    along = completed.plan.curve.heading_at(ahead) - ego.pose.heading - 0.5 * turn
-    back = math.atan2(STEERING_GAIN * snapshot.d, ego.speed + 1.0)
-    return (wrapped(along - back) - ego.steering_angle) / period
-
-
 def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = HARD_STOP_MARGIN_M) -> float:
     """Way (m) in which the hardest braking must stop the front bumper: `margin` m before line or region, behind leaders."""
     room = math.inf
@@ -281,7 +270,7 @@ def execute(
 ) -> Execution:
     """Choose the admissible command that minimises U = w₁U₁ + w₂U₂ + w₃U₃ (F&L 1991, §3.2).
 
-    `nine_commands` takes the paper's command space instead of the fine grid, `valley` its bitmaps instead of exact
+    `nine_commands` takes the paper's command space instead of the lattice, `valley` its bitmaps instead of exact
     distances.
     """
     if completed.instruction is Instruction.BACK_UP:
@@ -295,23 +284,15 @@ def execute(
     wanted = _without_jerk(wish, ego, period)
     if wanted <= 0.0 and ego.speed == 0.0 and not nine_commands:  # there is nothing to choose
         return Execution(Command(0.0, 0.0), replace(ego, acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
-    if nine_commands:
-        grid = paper_grid(limits, ego.speed, period)
-    else:
-        lock = limits.max_steering_angle
-        steering = steering_rate_of_curve(snapshot, completed, limits, period)
-        steering = min(max(steering, (-lock - ego.steering_angle) / period), (lock - ego.steering_angle) / period)
-        grid = fine_grid(limits, ego.speed, ego.acceleration, (wanted - ego.speed) / period, steering, period)
+    grid = paper_grid(limits, ego.speed, period) if nine_commands else lattice(limits, ego.speed, ego.acceleration, period)
     if completed.tuning.wide_grid:
         grid = wide_grid(limits)
     planned = limits.service_deceleration if nine_commands else limits.planned_deceleration
     lowest = min(wanted, ego.speed - planned * period)
     room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
-    index, verdict, potentials, state = _choose(
+    command, verdict, potentials, state = _choose(
         snapshot, completed, grid, limits, period, room, (wanted, lowest), valley
     )
-    i, j = divmod(index, len(grid.steering_rates))
-    command = Command(grid.accelerations.item(i), grid.steering_rates.item(j))
     emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
     hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
     return Execution(command, state, wanted, potentials, emergency, hazard)
@@ -326,8 +307,8 @@ def _choose(
     room: float,
     aims: tuple[float, float],
     valley: ValleyMap,
-) -> tuple[int, int, Potentials, VehicleState]:
-    """Return the command's index, the verdict on it, its potentials and the state that it leads to."""
+) -> tuple[Command, int, Potentials, VehicleState]:
+    """Return the command, the verdict on it, its potentials and the state that it leads to."""
     ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
     p = ego.pose
     lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
@@ -352,13 +333,14 @@ def _choose(
             w.velocity,
         )
     )
-    index, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
-        car, grid.accelerations, grid.steering_rates, period, room, *aims,
+    acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
+        car, grid.accelerations, grid.steering_rates, grid.rounds, period, room, *aims,
         curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
         valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes,
     )  # fmt: skip
     potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
-    return index, verdict, potentials, VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
+    state = VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
+    return Command(acceleration, rate), verdict, potentials, state
 
 
 def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:

@@ -153,10 +153,10 @@ def valley_of_command(
 
 
 @kernel
-def choose_command(
-    car: Array, accelerations: Array, rates: Array, period: float, room: float, wanted: float, lowest: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array,
+def best_of(
+    car: Array, accelerations: Array, rates: Array, fine: bool, turn: float, period: float, room: float, wanted: float,
+    lowest: float, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, corners: Array,
 ) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
     steering angle where it leads.
@@ -174,10 +174,8 @@ def choose_command(
     n = len(accelerations) * len(rates)
     ahead = np.empty((n, 4))
     expand(state, accelerations, rates, limits, period, room, ahead)
-    corners = corners_of(boxes)
     terms, poses = np.zeros((n, 3)), np.empty((n, 3))
     total, of_speed, grown = np.full(n, np.inf), np.zeros(n), np.zeros(n, dtype=np.int64)
-    fine = len(accelerations) > 3  # three accelerations have none between gentle and hard
     for k in range(n):
         v, _, allowed, stops = ahead[k]
         if allowed == 0.0:
@@ -187,7 +185,7 @@ def choose_command(
         of_speed[k] = weights[2] * (terms[k, 2] + HARSHNESS * harsh)
         if stops > 0.0:
             total[k] = of_speed[k] + (_HARDER if v < lowest - 1e-6 else 0.0)
-    turn, casts = rates[-1] * period, weights[1] > 0.0 and len(boxes) > 0
+    casts = weights[1] > 0.0 and len(boxes) > 0
     while True:
         best = int(np.argmin(total))
         if total[best] == np.inf:
@@ -233,3 +231,48 @@ def choose_command(
     v, angle = ahead[fallback, 0], ahead[fallback, 1]
     x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
     return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2], x, y, h, v, angle
+
+
+@kernel
+def choose_command(
+    car: Array, accelerations: Array, rates: Array, rounds: int, period: float, room: float, wanted: float, lowest: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array,
+) -> tuple[float, float, int, float, float, float, float, float, float, float, float]:  # fmt: skip
+    """Return acceleration, steering rate, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃ of the chosen command, and x, y,
+    heading, speed, steering angle where it leads.
+
+    The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ of the lattice `accelerations` × `rates`, then of ever finer lattices
+    around it, `rounds` times. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8)
+    cast U₂ and are tested for contact.
+    """
+    turn, corners = rates[-1] * period, corners_of(boxes)
+    index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
+        car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, static,
+        bitmaps, x0, y0, cell, boxes, corners,
+    )  # fmt: skip
+    i, j = index // len(rates), index % len(rates)
+    for half in range(2 * rounds):
+        if half % 2 == 0:
+            rates, j = around(rates, j), 2
+        else:
+            accelerations, i = around(accelerations, i), 2
+        steers = half % 2 == 0
+        index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
+            car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1], True, turn,
+            period, room, wanted, lowest, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell, boxes, corners,
+        )  # fmt: skip
+        if steers:
+            j = index
+        else:
+            i = index
+    acceleration, rate = accelerations[i], rates[j]
+    return acceleration, rate, verdict, u1, u2, u3, x, y, h, v, angle
+
+
+@kernel
+def around(axis: Array, i: int) -> Array:
+    """Return five nodes around node `i` of a rising `axis`, its gaps to the neighbours divided by three."""
+    down = (axis[i] - axis[i - 1]) / 3.0 if i > 0 else 0.0
+    up = (axis[i + 1] - axis[i]) / 3.0 if i + 1 < len(axis) else 0.0
+    return np.array([axis[i] - 2.0 * down, axis[i] - down, axis[i], axis[i] + up, axis[i] + 2.0 * up])

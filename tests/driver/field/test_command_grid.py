@@ -1,11 +1,14 @@
 """The discretised command space K (F&L 1991, §3.2)."""
 
+import inspect
+
 import numpy as np
 from helpers.cars import CAR
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sumo_reactive.driver.field.command_grid import CommandGrid, fine_grid, paper_grid
+from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid
+from sumo_reactive.driver.field.field import around
 from sumo_reactive.driver.parameters import PAPER_LATERAL_STEP
 
 speeds = st.floats(0.0, 50.0)
@@ -37,20 +40,24 @@ def test_one_of_the_nine_commands_changes_the_lateral_acceleration_by_a_bounded_
 
 
 fine = st.builds(
-    fine_grid,
+    lattice,
     limits=st.just(CAR),
     speed=speeds,
     acceleration=st.floats(-9.0, 2.6),
-    wanted=st.floats(-100.0, 100.0),
-    steering=st.floats(-10.0, 10.0),
     period=st.floats(0.02, 0.1),
 )
 
 
 @given(fine)
-def test_the_fine_grid_has_81_commands_within_the_limits(grid):
-    assert size(grid) == 81
+def test_the_first_lattice_has_at_most_42_commands_within_the_limits(grid):
+    assert 21 <= size(grid) <= 42
     assert within_limits(grid)
+
+
+@given(fine)
+def test_both_axes_of_the_lattice_rise(grid):
+    assert (np.diff(grid.accelerations) > 0.0).all()
+    assert (np.diff(grid.steering_rates) > 0.0).all()
 
 
 @given(fine)
@@ -58,8 +65,15 @@ def test_the_fine_grid_can_always_brake_as_hard_as_the_car_can(grid):
     assert grid.accelerations.min() == -CAR.emergency_deceleration
 
 
-@given(st.floats(-0.2, 0.2), st.floats(-2.0, 2.0))
-def test_the_fine_grid_holds_the_rate_that_the_curve_asks_for_and_the_acceleration_that_is_wanted(rate, wanted):
-    grid = fine_grid(limits=CAR, speed=3.0, acceleration=wanted + 0.2, wanted=wanted, steering=rate, period=0.1)
-    assert np.abs(grid.steering_rates - rate).min() == 0.0
-    assert np.abs(grid.accelerations - wanted).min() == 0.0
+def test_the_lattice_knows_neither_the_desired_speed_nor_the_steering_that_the_curve_asks_for():
+    assert set(inspect.signature(lattice).parameters) == {"limits", "speed", "acceleration", "period"}
+
+
+@given(st.lists(st.floats(-9.0, 9.0), min_size=2, max_size=9, unique=True), st.data())
+def test_a_finer_lattice_lies_between_the_neighbours_of_its_node_and_holds_it(nodes, data):
+    axis = np.sort(np.array(nodes))
+    i = data.draw(st.integers(0, len(axis) - 1))
+    finer = around(axis, i)
+    assert finer[2] == axis[i]
+    assert axis[max(i - 1, 0)] <= finer.min()
+    assert finer.max() <= axis[min(i + 1, len(axis) - 1)]
