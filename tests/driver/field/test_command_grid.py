@@ -61,7 +61,7 @@ def test_both_axes_of_the_lattice_rise(grid):
 
 
 @given(fine)
-def test_the_fine_grid_can_always_brake_as_hard_as_the_car_can(grid):
+def test_the_lattice_can_always_brake_as_hard_as_the_car_can(grid):
     assert grid.accelerations.min() == -CAR.emergency_deceleration
 
 

@@ -61,12 +61,12 @@ def test_no_command_breaks_a_limit_whatever_the_situation(speed, angle, heading,
 
 
 @pytest.mark.parametrize("speed", [3.0, 10.0])
-def test_the_fine_grid_keeps_within_three_centimetres_in_a_turn_of_4_4_m(speed):
+def test_the_lattice_keeps_within_three_centimetres_in_a_turn_of_4_4_m(speed):
     assert deviation(speed) < 0.03
 
 
 @pytest.mark.parametrize("speed", [3.0, 10.0])
-def test_the_fine_grid_keeps_within_one_centimetre_in_a_turn_of_4_4_m(speed):
+def test_the_lattice_keeps_within_one_centimetre_in_a_turn_of_4_4_m(speed):
     assert deviation(speed) < 0.01
 
 
