@@ -156,7 +156,8 @@ class Trip:
 
     def _count(self, step: Step) -> None:
         self.end = self._session.time
-        self.distance += step.drive.ego.speed * self.step_length
+        before, after = (front_of(state.pose, self.ego.limits) for state in (self._drive.ego, step.drive.ego))
+        self.distance += math.dist(before, after)  # of the point that SUMO's positions mean; in a turn the rear axle cuts it
         if step.drive.memory.serving_until is not None and step.drive.ego.speed < STANDING_SPEED:
             self.stopped += self.step_length
         self.time_loss = self.ego.time_loss() - self.stopped

@@ -1,6 +1,8 @@
 """The trip: what it makes of what the pilot asks the planner for."""
 
+import math
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import libsumo
@@ -85,3 +87,13 @@ def test_an_ego_that_the_pilot_sends_over_a_red_light_is_told(monkeypatch):
     result = run_trial(replace(load_scenario(LIGHTS), horizon_s=60.0))
     assert result.figures["red_lights_run"] == 1
     assert [one.kind for one in result.violations if one.kind == "red light run"] == ["red light run"]
+
+
+def test_the_way_of_a_trip_is_the_one_of_the_front_bumper_as_sumos_positions_are_up_to_the_goal():
+    """In turns the rear axle cuts 2 m of it here."""
+    scenes = []
+    result = run_trial(load_scenario(SCENARIOS / "city_grid.toml"), observer=scenes.append)
+    steps = [scene.step for scene in scenes]
+    seen = sum(math.dist((one.x, one.y), (other.x, other.y)) for one, other in pairwise(steps))
+    first, last = (step.speed * result.step_length_s for step in (steps[0], steps[-1]))
+    assert 0.0 <= result.distance_m - seen - first <= last
