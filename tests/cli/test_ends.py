@@ -39,7 +39,6 @@ STAGES = {
         "    return real(name, *more)\n"
         "builtins.__import__ = importing"
     ),
-    "something is executed": "import sumo_reactive.experiment.trial as one; before(one, 'read_net', lambda: exec('strike()'))",
     "the network is read": "import sumo_reactive.experiment.trial as one; before(one, 'read_net', strike)",
     "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
     "the world is built": "import sumo_reactive.experiment.trip as one; before(one, 'choose_lanes', strike)",
@@ -75,6 +74,15 @@ def test_a_request_to_stop_ends_a_run_at_every_stage(tmp_path, stage, request_to
     lines = [line for line in answer.stderr.splitlines() if "compiling" not in line]
     assert (answer.returncode, lines) == (130, ["sumo-reactive: interrupted"])
     assert left(tmp_path) == []
+
+
+def test_an_interrupt_within_what_is_executed_leaves_the_exit_code_alone(tmp_path):
+    code = "import os, signal\nfrom sumo_reactive.cli.interrupts import Interrupts\none = Interrupts()\none.listen()\n"
+    code += "try:\n    exec('os.kill(os.getpid(), signal.SIGINT)')\nexcept KeyboardInterrupt:\n    one.end()\n    "
+    (tmp_path / "struck.py").write_text(f"{code}raise SystemExit(130)\n", encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "struck"]
+    assert subprocess.run(command, cwd=tmp_path, env=environment, timeout=60, check=False).returncode == 130
 
 
 def test_a_second_request_does_not_cut_the_cleaning_up_short(tmp_path):
