@@ -139,5 +139,5 @@ def test_what_is_no_trajectory_is_refused(record, text):
 )  # fmt: skip
 def test_what_is_no_record_of_several_egos_is_refused(tmp_path, fleet):
     (tmp_path / "fleet.json").write_text(fleet, encoding="utf-8")
-    with pytest.raises(ScenarioError, match="fleet.json: not the record of several egos"):
+    with pytest.raises(ScenarioError, match=r"fleet\.json: not the record of several egos"):
         page_of(tmp_path, tmp_path / "report.html")
