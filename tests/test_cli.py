@@ -1,11 +1,8 @@
 """The command line in processes of its own: exit codes, one clear line for bad input, nothing left behind."""
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -150,20 +147,3 @@ def test_explain_refuses_a_time_outside_the_run(recording, moment):
 def test_quiet_prints_the_verdict_only():
     answer = sumo_reactive("run", FOUR_WAY, "--quiet")
     assert answer.stdout == "ego: arrived without a violation\n"
-
-
-@pytest.mark.parametrize("interrupt", [signal.SIGINT, signal.SIGKILL], ids=lambda one: one.name)
-def test_a_run_cut_short_leaves_no_record(tmp_path, tmp_path_factory, interrupt):
-    scratch = tmp_path_factory.mktemp("scratch")
-    city = ROOT / "scenarios" / "city_grid.toml"
-    command = [sys.executable, "-m", "sumo_reactive", "run", str(city), "--until-end", "--out", str(tmp_path / "out")]
-    environment = os.environ | {"TMPDIR": str(scratch)}
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, encoding="utf-8", env=environment) as process:
-        while not list(scratch.iterdir()) and process.poll() is None:  # SUMO's own folder: the run has begun
-            time.sleep(0.05)
-        time.sleep(0.5)
-        process.send_signal(interrupt)
-        _, message = process.communicate(timeout=60)
-    assert process.returncode == (130 if interrupt is signal.SIGINT else -signal.SIGKILL)
-    assert interrupt is signal.SIGKILL or message.endswith("sumo-reactive: interrupted\n")
-    assert list(tmp_path.iterdir()) == []

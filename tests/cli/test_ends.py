@@ -76,6 +76,13 @@ def test_a_request_to_stop_ends_a_run_at_every_stage(tmp_path, stage, request_to
     assert left(tmp_path) == []
 
 
+@pytest.mark.parametrize("stage", ["SUMO starts", "a step is driven"])
+def test_a_run_that_is_killed_leaves_nothing(tmp_path, stage):
+    code = BEFORE.format(strike="os.kill(os.getpid(), signal.SIGKILL)") + STAGES[stage]
+    assert ended(code, "run", FOUR_WAY, "--out", "out", folder=tmp_path).returncode == -9
+    assert left(tmp_path) == []
+
+
 def test_an_interrupt_within_what_is_executed_leaves_the_exit_code_alone(tmp_path):
     code = "import os, signal\nfrom sumo_reactive.cli.interrupts import Interrupts\none = Interrupts()\none.listen()\n"
     code += "try:\n    exec('os.kill(os.getpid(), signal.SIGINT)')\nexcept KeyboardInterrupt:\n    one.end()\n    "
