@@ -1,8 +1,6 @@
 """The command line in processes of its own: exit codes, one clear line for bad input, nothing left behind."""
 
 import json
-import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -149,22 +147,3 @@ def test_explain_refuses_a_time_outside_the_run(recording, moment):
 def test_quiet_prints_the_verdict_only():
     answer = sumo_reactive("run", FOUR_WAY, "--quiet")
     assert answer.stdout == "ego: arrived without a violation\n"
-
-
-@pytest.mark.parametrize("interrupt", [signal.SIGINT, signal.SIGKILL], ids=lambda one: one.name)
-def test_a_run_cut_short_leaves_no_record(tmp_path, tmp_path_factory, interrupt):
-    """SUMO writes into a pipe: the run goes on only as far as that is read, and is cut short at a step of its own."""
-    steps = tmp_path_factory.mktemp("steps") / "fcd.xml"
-    os.mkfifo(steps)
-    city = ROOT / "scenarios" / "city_grid.toml"
-    command = [sys.executable, "-m", "sumo_reactive", "run", str(city), "--until-end", "--out", str(tmp_path / "out")]
-    command += ["--", "--fcd-output", str(steps)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, encoding="utf-8") as process:
-        with steps.open(encoding="utf-8") as simulated:
-            assert any(line.strip().startswith('<timestep time="20.') for line in simulated)
-            process.send_signal(interrupt)
-            simulated.read()
-        _, message = process.communicate(timeout=60)
-    assert process.returncode == (130 if interrupt is signal.SIGINT else -signal.SIGKILL)
-    assert interrupt is signal.SIGKILL or message.endswith("sumo-reactive: interrupted\n")
-    assert list(tmp_path.iterdir()) == []

@@ -34,7 +34,12 @@ class Interrupts:
                 self._before[number] = signal.signal(number, self._interrupt)
 
     def end(self) -> None:
-        """Leave further requests to whoever took them before."""
+        """Leave further requests to whoever took them before.
+
+        Where an interrupt was raised within an `exec`, as class decorators use it, the interpreter ends by killing itself
+        instead of with the exit code, unless it executes something after that.
+        """
+        exec("")
         for number, before in self._before.items():
             signal.signal(number, before)
 

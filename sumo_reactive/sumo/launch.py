@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.files import is_there, require_file
+from sumo_reactive.files import content_of, is_there, require_file
 from sumo_reactive.sumo.config import SumoConfig, is_true, paths_beside, seconds_of
 from sumo_reactive.sumo.option_names import (
     INPUT_FILES,
@@ -42,6 +43,7 @@ _PORT, _NO_PORT = "remote-port", "0"
 """Where a port is given, SUMO waits for a client to connect and tell it to step."""
 
 _LOGS = ("no-warnings", "verbose", "log", "error-log", "message-log")
+_INCLUDED = re.compile(rb"<include\s[^>]*?href\s*=\s*[\"']([^\"'\0]+)")
 _FOR_SHOW = re.compile(r"poly|poi|view|gui|background|decal", re.IGNORECASE)
 """Names of additional files that only draw something."""
 
@@ -66,11 +68,20 @@ def runnable_config(config: SumoConfig) -> tuple[Runnable, tuple[Override, ...]]
 
 
 def _require_files(config: SumoConfig) -> None:
-    """Raise ScenarioError for what SUMO would read as a file although it is a pipe, for whose writer it would wait."""
+    """Raise ScenarioError for what SUMO would read as a file although it is a pipe, for whose writer it would wait.
+
+    That is what the options name, and what route and additional files include.
+    """
     for name in sorted(INPUT_FILES & set(config.options)):
         for part in paths_beside(config.path, config.options[name]):
             if not part.is_dir():
                 require_file(part)
+    waiting, seen = [*config.route_files, *config.additional_files], set[Path]()
+    while waiting:
+        file = waiting.pop()
+        if file not in seen and is_there(file):
+            seen.add(file)
+            waiting += [file.parent / os.fsdecode(name) for name in _INCLUDED.findall(content_of(file))]
 
 
 def _found_from_anywhere(config: SumoConfig, missing: Sequence[Path]) -> Iterator[tuple[str, str]]:

@@ -8,6 +8,8 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
+from traceback import walk_tb
 from types import TracebackType
 from typing import IO
 
@@ -34,7 +36,7 @@ class Session:
             try:
                 with _standard_error_to(heard):
                     libsumo.start(self._arguments)
-            except _ERRORS as error:
+            except (*_ERRORS, RuntimeError) as error:
                 reason = _first_error(heard) or _in_one_line(error)
                 raise ScenarioError(f"SUMO rejects the scenario: {reason}") from error
             if not libsumo.isLoaded():
@@ -46,7 +48,7 @@ class Session:
         time = self._time_if_known()
         with contextlib.suppress(*_ERRORS):
             libsumo.close()
-        if isinstance(value, _ERRORS):
+        if isinstance(value, _ERRORS) or (type(value) is RuntimeError and _is_from_sumo(value)):
             raise SimulationError(f"SUMO failed{time}: {_first_line(value)}") from value
 
     def _time_if_known(self) -> str:
@@ -162,6 +164,12 @@ def _first_error(file: IO[bytes]) -> str:
 def _in_one_line(error: Exception) -> str:
     """Return all that SUMO says of a file that it cannot read: what, in which file, at which line."""
     return " ".join(str(error).split()) or type(error).__name__
+
+
+def _is_from_sumo(error: BaseException) -> bool:
+    """Whether SUMO's own code raised an error: one that its library does not know, it hands on as a RuntimeError."""
+    *_, (frame, _) = walk_tb(error.__traceback__)
+    return Path(frame.f_code.co_filename).parent == Path(libsumo.__file__).parent
 
 
 def _first_line(error: BaseException) -> str:

@@ -106,9 +106,10 @@ class StaticView:
 
 def _finite(name: str, shape: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
     """Return the points of a polygon; raise ScenarioError for one that cannot stand on a road."""
-    if not shape or not np.isfinite(shape).all():
+    points = np.array([point[:2] for point in shape])
+    if not shape or not np.isfinite(points).all():
         raise ScenarioError(f"polygon '{name}': its shape is not a list of finite x,y")
-    if np.ptp(np.asarray(shape)[:, :2], axis=0).max() > LARGEST_OBSTACLE_M:
+    if np.ptp(points, axis=0).max() > LARGEST_OBSTACLE_M:
         raise ScenarioError(f"polygon '{name}': an obstacle of more than {LARGEST_OBSTACLE_M / 1000.0:g} km")
     return shape
 

@@ -1,6 +1,7 @@
 """Trials in child processes: what happens to one is told, and the next one runs."""
 
 import os
+import signal
 import threading
 import time
 from dataclasses import replace
@@ -11,6 +12,7 @@ import pytest
 
 from sumo_reactive.lab.process.driver import Driver
 from sumo_reactive.lab.process.runner import Ending, Runner, Task, run_all
+from sumo_reactive.lab.process.scratch import scratch
 from sumo_reactive.lab.scenario import load_scenario
 
 LIMIT_S = 200.0
@@ -89,3 +91,21 @@ def test_a_process_whose_caller_is_gone_ends(scenario):
     psutil.wait_procs([child], timeout=10)
     assert not child.is_running() or child.status() == psutil.STATUS_ZOMBIE
     one.close()
+
+
+def test_a_process_that_does_not_go_by_itself_is_killed_and_its_folder_removed(scenario):
+    one = Runner()
+    one.run(Task(scenario), LIMIT_S)
+    folder = one._child._own_scratch
+    assert folder.is_dir()
+    os.kill(one._child._process.pid, signal.SIGSTOP)
+    one.close()
+    assert not folder.exists()
+
+
+def test_what_runs_in_a_common_folder_leaves_it_to_who_gave_it(scenario, tmp_path):
+    with scratch() as folder:
+        assert not folder.exists()
+        outcomes = list(run_all([Task(scenario)], 1, LIMIT_S, scratch=folder))
+        assert outcomes[0].ending is Ending.DONE
+    assert not folder.exists()

@@ -144,6 +144,16 @@ def test_sumo_does_not_wait_for_who_writes_into_a_pipe(tmp_path, option):
         runnable_config(scenario(tmp_path, f'<{option} value="pipe.xml"/>'))
 
 
+def test_sumo_waits_for_no_pipe_that_a_file_includes(tmp_path):
+    os.mkfifo(tmp_path / "pipe.xml")
+    (tmp_path / "a.add.xml").write_text("<additional><include href='b.add.xml'/></additional>", encoding="utf-8")
+    (tmp_path / "b.add.xml").write_text(
+        '<additional><include href="a.add.xml"/><include href = "pipe.xml"/></additional>', encoding="utf-8"
+    )
+    with pytest.raises(ScenarioError, match=r"pipe\.xml: a pipe, not a file"):
+        runnable_config(scenario(tmp_path, '<additional-files value="a.add.xml"/>'))
+
+
 @pytest.mark.parametrize(
     ("own", "asked", "used"), [("1", None, 0.1), ("0.05", None, 0.05), ("0.05", 0.5, 0.5), ("1", 1.0, 1.0)]
 )

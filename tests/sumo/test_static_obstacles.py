@@ -1,5 +1,7 @@
 """Polygons and parked vehicles in a real simulation: who is a body, who is a point of O_S, and nobody twice."""
 
+from types import SimpleNamespace
+
 import libsumo
 import numpy as np
 import pytest
@@ -8,7 +10,8 @@ from net_recipes import converted
 from simulations import running, simulated
 
 from sumo_reactive.driver.parameters import OUTLINE_STEP_M, STATIC_SIGHT_M
-from sumo_reactive.sumo.static_obstacles import StaticObstacles, StaticView, hull_of, outline
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.sumo.static_obstacles import LARGEST_OBSTACLE_M, StaticObstacles, StaticView, hull_of, outline
 
 NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="500" y="0"/></nodes>'
 EDGES = '<edges><edge id="ab" from="a" to="b" numLanes="1" speed="13.9"/></edges>'
@@ -108,3 +111,19 @@ def test_every_shape_has_an_outline_without_gaps(shape):
     gaps = np.hypot(*np.diff(np.vstack((points, points[:1])), axis=0).T)
     assert 0.0 < gaps.max() <= OUTLINE_STEP_M + 1e-9
     assert shapely.Polygon(points).buffer(0.01).covers(shapely.MultiPoint(shape))
+
+
+@pytest.mark.parametrize(
+    ("shape", "says"),
+    [
+        ([(0.0, 0.0), (float("nan"), 1.0)], "not a list of finite x,y"),
+        ([(float("inf"), 0.0)], "not a list of finite x,y"),
+        ([], "not a list of finite x,y"),
+        ([(0.0, 0.0), (2.0 * LARGEST_OBSTACLE_M, 1.0)], "more than 10 km"),
+    ],
+)
+def test_a_polygon_that_cannot_stand_on_a_road_is_named(monkeypatch, shape, says):
+    polygon = SimpleNamespace(getIDList=lambda: ["stone"], getType=lambda _: "obstacle", getShape=lambda _: shape)
+    monkeypatch.setattr("libsumo.polygon", polygon)
+    with pytest.raises(ScenarioError, match=f"polygon 'stone': .*{says}"):
+        StaticObstacles()

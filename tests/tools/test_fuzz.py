@@ -16,8 +16,7 @@ CASES = 150
 
 def fuzz(*arguments: object, code: str = "") -> subprocess.CompletedProcess[str]:
     """Run the tool, after some code, in a process of its own: it forks."""
-    tool = str(ROOT / "tools" / "fuzz.py")
-    run = f"import runpy, sys; sys.argv[0] = 'fuzz.py'; runpy.run_path({tool!r}, run_name='__main__')"
+    run = f"import runpy; runpy.run_path({str(ROOT / 'tools' / 'fuzz.py')!r}, run_name='__main__')"
     command = [sys.executable, "-c", f"{code}\n{run}", *map(str, arguments)]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
     return subprocess.run(command, capture_output=True, text=True, timeout=560, env=environment, check=False)

@@ -35,6 +35,7 @@ Answer = tuple[Ending, Any, float]
 
 _RUN = "sumo_reactive.lab.process.observed:run_observed"
 _LOOK_S = 0.5
+_FAREWELL_S = 1.0
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -142,7 +143,14 @@ class _Child:
         return self._trials >= MAX_TRIALS or self._memory_mb() > RECYCLE_MEMORY_MB
 
     def close(self) -> None:
-        """Kill the process and remove what it left behind."""
+        """End the process, and remove what it left behind.
+
+        It is first let go, so that it cleans up by itself even if this process is killed meanwhile.
+        """
+        with contextlib.suppress(OSError, ValueError):
+            self._stdin.close()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(_FAREWELL_S)
         self._process.kill()
         self._process.wait()
         self._listener.join()

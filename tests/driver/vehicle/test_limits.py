@@ -16,6 +16,14 @@ def test_a_limit_that_is_not_positive_and_finite_is_refused_by_name(name, value)
         replace(CAR, **{name: value})
 
 
+@pytest.mark.parametrize(
+    "change", [{"width": 1000.0}, {"length": 3000.0}, {"max_steering_angle": 3.2}, {"time_headway": 1e9}, {"max_speed": 1e6}]
+)
+def test_what_no_road_vehicle_has_is_refused_by_name(change):
+    with pytest.raises(ValueError, match=f"vehicle {next(iter(change))} is .*, more than"):
+        replace(CAR, **change)
+
+
 @pytest.mark.parametrize("change", [{"front_overhang": -0.1}, {"wheelbase": 3.5}, {"front_overhang": 2.0}])
 def test_axles_that_do_not_fit_into_the_length_are_refused(change):
     with pytest.raises(ValueError, match="length"):
