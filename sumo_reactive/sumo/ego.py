@@ -71,6 +71,7 @@ class Ego:
         self._brakes_hard = False
         self._asks = False
         self._leaves_by: Lane | None = None
+        self._scale = 1.0
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
     def take_over(self, step_length: float) -> VehicleState:
@@ -98,8 +99,10 @@ class Ego:
         """Return the `state` of an ego that SUMO has just inserted, its body along its lane if it could not be steered back
         there within the lane; any other as it is.
 
-        While the rear would be before the start of the lane, SUMO shows an angle up to 70° off.
+        While the rear would be before the start of the lane, SUMO shows an angle up to 70° off. Its speed there is in the
+        lane's own metres; from here on it is that over ground.
         """
+        self._scale, state = lane.scale, replace(state, speed=state.speed * lane.scale)
         front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
         if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
             return state
@@ -123,12 +126,13 @@ class Ego:
         swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
         """
         self._unmapped |= overlooked
-        if lane is not None and not lane.is_internal:
-            self._leaves_by = lane
+        if lane is not None:
+            self._scale = lane.scale
+            self._leaves_by = self._leaves_by if lane.is_internal else lane
         x, y = front_of(state.pose, self.limits)
         self._keep_in_order()
         self._keep_connected(x, y)
-        libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
+        libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration) / self._scale)
         self._warn_of_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
@@ -230,7 +234,7 @@ class Ego:
             raise SimulationError(f"SUMO has taken ego '{self.id}' off the road: {error}") from error
         if math.hypot(px - x, py - y) > 0.01:
             raise SimulationError(f"SUMO moved ego '{self.id}' to ({px:.2f}, {py:.2f}) instead of ({x:.2f}, {y:.2f})")
-        if float(libsumo.vehicle.getSpeed(self.id)) < state.speed - STANDING_SPEED:
+        if float(libsumo.vehicle.getSpeed(self.id)) * self._scale < state.speed - STANDING_SPEED:
             self._keep_speed(state)
         lane_id = str(libsumo.vehicle.getLaneID(self.id))
         if not lane_id:
@@ -243,7 +247,7 @@ class Ego:
     def _keep_speed(self, state: VehicleState) -> None:
         """Have the others see the ego's speed where SUMO has stopped it for a step: it finds no way on from the end of the
         lane that it has the ego on, though the ego is past it. Whoever follows would brake as for a standing car."""
-        libsumo.vehicle.setPreviousSpeed(self.id, state.speed, state.acceleration)
+        libsumo.vehicle.setPreviousSpeed(self.id, state.speed / self._scale, state.acceleration)
 
     def reroute(self, route: Route) -> None:
         """Take another route, which begins on the edge that the ego is on, and tell SUMO."""

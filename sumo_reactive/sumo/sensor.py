@@ -116,7 +116,7 @@ class Sensor:
             if known is None or known.edge_id != edge_id or now >= known.until:
                 known = self._know(name, known, edge_id, internal)
             x, y = vehicle.getPosition(name)
-            heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name)
+            heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name) * scale
             position = vehicle.getLanePosition(name) * scale
             if speed > STANDING_SPEED:
                 yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route)

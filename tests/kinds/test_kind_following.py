@@ -70,3 +70,12 @@ def test_a_queue_that_stands_in_the_junction_is_waited_for(tmp_path):
     queue = standing("jam", "ce", "ce_0", 8, 20) + stream("q", "wc ce", [0, 1.5, 3])
     run = driven(tmp_path, Net(net.nodes, net.edges, rules), car("ego", "sc cn", 4), queue)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("declared", [500, 120])
+def test_who_drives_on_a_lane_of_another_length_than_drawn_is_followed_as_fast_as_he_moves(tmp_path, declared):
+    """SUMO counts places and speeds on it in metres of the declared length."""
+    net = Net(node("a", 0, 0) + node("b", 200, 0) + node("c", 260, 0), edge("ab", length=declared) + edge("bc"))
+    slow = sort("slow", maxSpeed=8, sigma=0)
+    run = driven(tmp_path, net, car("x", "ab bc", type="slow"), car("ego", "ab bc", 6), car("y", "ab bc", 14), extra=slow, until=150)
+    assert run.complaints(slower=2.0) == []
