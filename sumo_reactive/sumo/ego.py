@@ -44,6 +44,10 @@ _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
 
 
+_SAME_METRES = 0.1
+"""Share by which a lane's declared length may differ from its drawn one without another speed being announced there."""
+
+
 def give_back(vehicle_id: str) -> None:
     """Leave a vehicle to SUMO's own driver."""
     libsumo.vehicle.setSpeed(vehicle_id, -1.0)
@@ -102,7 +106,7 @@ class Ego:
         While the rear would be before the start of the lane, SUMO shows an angle up to 70° off. Its speed there is in the
         lane's own metres; from here on it is that over ground.
         """
-        self._scale, state = lane.scale, replace(state, speed=state.speed * lane.scale)
+        self._scale, state = _announced_scale(lane), replace(state, speed=state.speed * lane.scale)
         front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
         if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
             return state
@@ -127,7 +131,7 @@ class Ego:
         """
         self._unmapped |= overlooked
         if lane is not None:
-            self._scale = lane.scale
+            self._scale = _announced_scale(lane)
             self._leaves_by = self._leaves_by if lane.is_internal else lane
         x, y = front_of(state.pose, self.limits)
         self._keep_in_order()
@@ -293,6 +297,12 @@ class Ego:
         if position is not None and position < 0.0:  # counted from the end of the lane
             position = max(0.0, position + float(libsumo.lane.getLength(f"{edges[-1]}_0")))
         return Route(edges, position, lane, tuple(_stop(s) for s in libsumo.vehicle.getStops(self.id) if s.lane))
+
+
+def _announced_scale(lane: Lane) -> float:
+    """Return ground metres per metre that SUMO counts on a lane, 1 where they are about the same: from lane to lane the others
+    would see the ego brake or speed up at once."""
+    return lane.scale if abs(lane.scale - 1.0) > _SAME_METRES else 1.0
 
 
 def _stop(data: object) -> ScheduledStop:
