@@ -49,7 +49,7 @@ def test_an_ego_whose_front_has_swung_out_is_shown_where_sumo_does_not_map_it(tm
     here = next(g for g in found.segments if g.lane_id == "ab_1")
     seen = haunt(graph, found, here, VehicleState(pose, 2.0, 0.0), 0.0, BUS, ("ab", "bc"))
     assert seen is not None
-    assert seen.lane.id == shown
+    assert (seen.lane.id, seen.speed, seen.edges) == (shown, 2.0, ("ab", "bc"))
 
 
 ROAD_NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="300" y="0"/></nodes>'
