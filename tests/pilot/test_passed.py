@@ -108,7 +108,7 @@ def test_the_ego_is_clear_of_him_when_its_rear_is_a_gap_ahead(ahead, is_clear):
     situation = EGO.considered(X)
     x = who(situation)
     front = situation.snapshot.front - CAR.length - x.gap - ahead
-    assert is_clear_of(situation, x._replace(front=front)) is is_clear
+    assert bool(is_clear_of(situation, x._replace(front=front))) is is_clear
 
 
 @pytest.mark.parametrize(("lateral", "is_used"), [(0.69, False), (0.71, True), (-0.71, True)])
