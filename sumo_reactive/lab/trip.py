@@ -35,6 +35,7 @@ from sumo_reactive.sumo.overlooked import overlooked
 from sumo_reactive.sumo.route_window import RouteWindow
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Session
+from sumo_reactive.sumo.spectator import Bystanders
 from sumo_reactive.sumo.stop_lines import StopLines
 from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, haunt, left_behind
 from sumo_reactive.sumo.units import front_of
@@ -85,6 +86,7 @@ class Trip:
         lane_id = self.ego.lane(state)
         self._stop_lines = StopLines(sensor.signals)
         self._stop_lines.crossed(lane_id)
+        self._bystanders = Bystanders(ego_id)
         state = self.ego.laid_along(graph.lanes[lane_id], state)
         start = PlanStart(
             state.pose, state.speed, 0.0, session.time,
@@ -127,7 +129,7 @@ class Trip:
         self._drive = self._planned(step)
         self._traffic = self._observe()
         record = self._record(step, lane_id, order.light, order.control_us)
-        return Scene(record, self._traffic.users, self._stop_lines.crossed(lane_id))
+        return Scene(record, self._traffic.users, self._stop_lines.crossed(lane_id), self._bystanders.look())
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
@@ -146,6 +148,7 @@ class Trip:
         if self.arrived:
             self.distance += max(left, 0.0)  # the way counts to the goal, as SUMO's does
             self._show(None, None)
+            self._bystanders.leave()
             self.ego.arrive()
         return self.arrived
 

@@ -70,6 +70,7 @@ class EgoKeys(Keys):
     __pydantic_extra__: dict[str, Number | None]
 
     ego: Text
+    folder: str
     verdict: Text
 
 

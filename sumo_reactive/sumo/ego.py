@@ -300,8 +300,8 @@ class Ego:
 
 
 def _announced_scale(lane: Lane) -> float:
-    """Return ground metres per metre that SUMO counts on a lane, 1 where they are about the same: from lane to lane the others
-    would see the ego brake or speed up at once."""
+    """Return ground metres per metre that SUMO counts on a lane, 1 where they are about the same: else the others would see
+    the ego brake or speed up at once from lane to lane."""
     return lane.scale if abs(lane.scale - 1.0) > _SAME_METRES else 1.0
 
 

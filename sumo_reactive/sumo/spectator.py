@@ -1,8 +1,9 @@
-"""Watching a vehicle that SUMO itself drives: where it is, and who is near."""
+"""Watching a vehicle from outside, whoever drives it: where it is, and who is near."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -11,13 +12,23 @@ from libsumo import constants as tc
 
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stop_lines import StopLines, read_signals
 from sumo_reactive.sumo.units import heading_of
 from sumo_reactive.sumo.vehicle_type import limits_of
 
+BESIDE_M = 40.0
+"""Bodies whose fronts are farther apart do not touch: two long ones, rear to rear."""
+
+SAME_LEVEL_M = 3.0
+"""Who differs more in height is on a bridge above, or on the road below."""
+
+_ON_CROSSING = re.compile(r":.*_c\d+$")
+"""Edges that are pedestrian crossings."""
+
 _SEEN = (
-    tc.VAR_POSITION, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,
+    tc.VAR_POSITION3D, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,
 )  # fmt: skip
 
 
@@ -30,7 +41,8 @@ class View(NamedTuple):
 
 
 class Spectator:
-    """Sees a running vehicle and all vehicles and pedestrians within `reach` m of it; the simulation goes on unchanged."""
+    """Sees a running vehicle, and all vehicles, and pedestrians on crossings, within `reach` m of it; the simulation goes on
+    unchanged."""
 
     def __init__(self, vehicle_id: str, reach: float) -> None:
         self.id = vehicle_id
@@ -41,29 +53,22 @@ class Spectator:
         self._reach = reach
         self._stop_lines = StopLines(read_signals())
         self._routes: dict[str, tuple[str, tuple[str, ...]]] = {}
-        libsumo.vehicle.subscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach, list(_SEEN))
+        _subscribe(vehicle_id, reach)
 
     def look(self) -> View | None:
         """Return what there is to see after a step; None while SUMO has the vehicle off the road, or it has arrived."""
         self.arrived = self.arrived or self.id in libsumo.simulation.getArrivedIDList()
         self.teleports += self.id in libsumo.simulation.getStartingTeleportIDList()
-        seen = {} if self.arrived else libsumo.vehicle.getContextSubscriptionResults(self.id)
+        seen = {} if self.arrived else _seen_from(self.id)
         if self.id not in seen:
             return None
-        users = {name: self._user(name, values) for name, values in seen.items()}
+        users = {name: _user(name, values, self._route(name, values)) for name, values in seen.items()}
         own = users.pop(self.id)
         return View(own, (*users.values(), *self._persons(own)), self._stop_lines.crossed(own.lane_id))
 
-    def _user(self, name: str, seen: Mapping[int, Any]) -> RoadUser:
-        """Return a vehicle as subscribed."""
-        (x, y), angle, speed, lane_id, position, length, width = (seen[variable] for variable in _SEEN)
-        body = Body(length, width, emergency_deceleration=math.nan, max_speed=math.nan)
-        route = self._route(name, lane_id)
-        return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route)
-
-    def _route(self, name: str, lane_id: str) -> tuple[str, ...]:
+    def _route(self, name: str, seen: Mapping[int, Any]) -> tuple[str, ...]:
         """Return the edges that a vehicle has still to drive, its present one first; inside a junction the next one."""
-        edge = edge_id_of(lane_id)
+        edge = edge_id_of(seen[tc.VAR_LANE_ID])
         known = self._routes.get(name)
         if known is None or known[0] != edge:
             first = max(libsumo.vehicle.getRouteIndex(name) + edge.startswith(":"), 0)
@@ -71,11 +76,50 @@ class Spectator:
         return known[1]
 
     def _persons(self, own: RoadUser) -> Iterator[RoadUser]:
-        """Yield who is near on foot."""
+        """Yield who walks over a crossing near."""
         person = libsumo.person
         for name in person.getIDList():
+            if not _ON_CROSSING.match(person.getRoadID(name)):
+                continue
             (x, y), lane_id = person.getPosition(name), person.getLaneID(name)
-            if math.hypot(x - own.x, y - own.y) < self._reach and not person.getVehicle(name):
+            if math.hypot(x - own.x, y - own.y) < self._reach:
                 body = Body(person.getLength(name), person.getWidth(name), math.nan, math.nan, is_person=True)
                 heading, position = heading_of(person.getAngle(name)), person.getLanePosition(name)
                 yield RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
+
+
+class Bystanders:
+    """Sees who is so near to a vehicle that he might touch it, stand-ins left out; the simulation goes on unchanged."""
+
+    def __init__(self, vehicle_id: str) -> None:
+        self._vehicle_id = vehicle_id
+        _subscribe(vehicle_id, BESIDE_M)
+
+    def look(self) -> tuple[RoadUser, ...]:
+        """Return them after a step."""
+        seen = _seen_from(self._vehicle_id).items()
+        return tuple(_user(name, values) for name, values in seen if name != self._vehicle_id and not is_ghost(name))
+
+    def leave(self) -> None:
+        """Look no more: SUMO fails in the next step if a vehicle that is watched is taken off the road from outside."""
+        libsumo.vehicle.unsubscribeContext(self._vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, BESIDE_M)
+
+
+def _subscribe(vehicle_id: str, reach: float) -> None:
+    libsumo.vehicle.subscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach, list(_SEEN))
+
+
+def _seen_from(vehicle_id: str) -> dict[str, Mapping[int, Any]]:
+    """Return what is subscribed of a vehicle and of those near on its level, by id; empty while it is off the road."""
+    seen = libsumo.vehicle.getContextSubscriptionResults(vehicle_id)
+    if vehicle_id not in seen:
+        return {}
+    level = seen[vehicle_id][tc.VAR_POSITION3D][2]
+    return {name: one for name, one in seen.items() if abs(one[tc.VAR_POSITION3D][2] - level) < SAME_LEVEL_M}
+
+
+def _user(name: str, seen: Mapping[int, Any], route: tuple[str, ...] = ()) -> RoadUser:
+    """Return a vehicle as subscribed."""
+    (x, y, _), angle, speed, lane_id, position, length, width = (seen[variable] for variable in _SEEN)
+    body = Body(length, width, emergency_deceleration=math.nan, max_speed=math.nan)
+    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route)

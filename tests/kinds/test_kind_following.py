@@ -77,5 +77,6 @@ def test_who_drives_on_a_lane_of_another_length_than_drawn_is_followed_as_fast_a
     """SUMO counts places and speeds on it in metres of the declared length."""
     net = Net(node("a", 0, 0) + node("b", 200, 0) + node("c", 260, 0), edge("ab", length=declared) + edge("bc"))
     slow = sort("slow", maxSpeed=8, sigma=0)
-    run = driven(tmp_path, net, car("x", "ab bc", type="slow"), car("ego", "ab bc", 6), car("y", "ab bc", 14), extra=slow, until=150)
+    cars = car("x", "ab bc", type="slow"), car("ego", "ab bc", 6), car("y", "ab bc", 14)
+    run = driven(tmp_path, net, *cars, extra=slow, until=150)
     assert run.complaints(slower=2.0) == []

@@ -37,6 +37,14 @@ def test_one_contact_is_one_collision_however_long_it_lasts(jury):
     assert jury.collisions[0].time == pytest.approx(1.1)
 
 
+def test_whom_the_ego_touches_is_a_collision_whether_its_driver_looks_at_him_or_not(jury):
+    beside = (user("overlooked", x=2.0), user("reactive.ghost.0", x=1.0), user("near", x=2.0, y=5.0))
+    for k in range(3):
+        jury.see(Scene(record(0.1 * k), (user("seen", x=1.0),), beside=(*beside, user("seen", x=1.0))))
+    assert [one.user_id for one in jury.collisions] == ["overlooked", "seen"]
+    assert jury.figures()["min_time_to_collision_s"] is None
+
+
 def test_a_graze_thinner_than_the_shrink_is_no_collision(jury):
     drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), lambda t: [user(x=15.0, y=1.71)], 40)
     assert not jury.collisions

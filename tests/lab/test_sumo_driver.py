@@ -86,16 +86,6 @@ def test_a_right_of_way_that_sumos_own_driver_takes_is_told(tmp_path, takes_it):
     assert any(violation.kind == "right of way taken" for violation in result.violations) is takes_it
 
 
-def test_whoever_walks_before_sumos_own_driver_is_seen_by_its_judges(tmp_path):
-    walker = '<person id="walker" depart="0" departPos="60"><walk edges="from_south" arrivalPos="62" speed="0.01"/></person>'
-    scenario = in_a_hurry(tmp_path, "four_way_priority", jmCrossingGap=0)
-    routes = tmp_path / "four_way_priority.rou.xml"
-    routes.write_text(routes.read_text(encoding="utf-8").replace("<flow", f"{walker}<flow", 1), encoding="utf-8")
-    seen = set[str]()
-    run_sumo_driver(scenario, observer=lambda scene: seen.update(user.id for user in scene.users if user.body.is_person))
-    assert seen == {"walker"}
-
-
 def test_the_same_trial_again_gives_the_same_result():
     assert run_sumo_driver(load_scenario(FOUR_WAY)) == run_sumo_driver(load_scenario(FOUR_WAY))
 

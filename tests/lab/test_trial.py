@@ -117,7 +117,7 @@ def test_every_ego_of_a_fleet_is_put_right(tmp_path):
         told = [float(row[key]) for key in ("duration", "routeLength", "timeLoss")]
         assert [result.duration_s, result.distance_m, result.time_loss_s] == pytest.approx(told, abs=0.01)
         assert [one.vehicle for one in result.recounts] == [result.ego]
-    assert fleet_summary(fleet)["recounts"] == [one._asdict() for one in fleet.recounts]
+    assert fleet_summary(fleet, str)["recounts"] == [one._asdict() for one in fleet.recounts]
 
 
 def own(folder, vehicle='<vehicle id="ego" depart="0"><route edges="from_west to_east"/></vehicle>', end=""):
@@ -161,7 +161,7 @@ def test_a_fleet_drives_on_past_the_scenarios_end_as_an_ego_alone_does(tmp_path)
     alone, fleet = run_trial(asked), run_fleet(asked, EgoRule(ids=("ego",)))
     (member,) = fleet.results
     assert (member.arrived, member.end_s, member.overrides) == (alone.arrived, alone.end_s, alone.overrides)
-    assert {"option": "end", "scenario": "10", "used": f"{fleet.until:g}"} in fleet_summary(fleet)["overrides"]
+    assert {"option": "end", "scenario": "10", "used": f"{fleet.until:g}"} in fleet_summary(fleet, str)["overrides"]
     assert not fleet.on_their_way
 
 

@@ -81,6 +81,15 @@ def test_the_line_that_the_ego_crosses_is_noted_with_its_letters():
     assert [scene.step.light for scene in scenes if scene.step.light] in (["g"], ["G"])
 
 
+def test_the_judges_are_shown_who_is_beside_the_ego_whether_its_driver_looks_there_or_not(monkeypatch):
+    """A driver who sees nobody: those beside it are SUMO's word."""
+    monkeypatch.setattr(Sensor, "vehicles", lambda sensor, lanes: [])
+    scenes = []
+    run_trial(replace(load_scenario(LIGHTS), horizon_s=40.0), observer=scenes.append)
+    assert not any(scene.users for scene in scenes)
+    assert any(scene.beside for scene in scenes)
+
+
 def test_an_ego_that_the_pilot_sends_over_a_red_light_is_told(monkeypatch):
     """The judge asks SUMO: the pilot sees green where SUMO shows red."""
     monkeypatch.setattr(Sensor, "letters", lambda sensor, light: "G" * 12)

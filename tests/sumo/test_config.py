@@ -1,5 +1,6 @@
 """SUMO configuration files: every form that real ones have, and the one line that a bad one gets."""
 
+import gzip
 from pathlib import Path
 
 import pytest
@@ -84,3 +85,36 @@ def test_what_is_no_configuration_file_is_named(tmp_path):
     for name, place in places.items():
         with pytest.raises(ReactiveError, match=place):
             read_config(tmp_path / name)
+
+
+def test_times_and_files_are_read_as_they_are_said(tmp_path):
+    (tmp_path / "n.net.xml").touch()
+    inner = (
+        '<net-file value="n.net.xml"/><route-files value="a.rou.xml, b.rou.xml.gz"/><begin value="0:1:0"/>'
+        '<end value="1:0:0"/><step-length value="0.5"/>'
+    )
+    (tmp_path / "a.sumocfg").write_text(f"<configuration>{inner}</configuration>", encoding="utf-8")
+    config = read_config(tmp_path / "a.sumocfg")
+    assert (config.begin_s, config.end_s, config.step_length_s) == (60.0, 3600.0, 0.5)
+    assert config.route_files == (tmp_path / "a.rou.xml", tmp_path / "b.rou.xml.gz")
+    assert config.additional_files == () and not config.is_mesoscopic
+
+
+def test_a_scenario_without_an_end_has_none(tmp_path):
+    (tmp_path / "n.net.xml").touch()
+    for said in ("", '<end value="-1"/>'):
+        text = f'<configuration><net-file value="n.net.xml"/>{said}</configuration>'
+        (tmp_path / "a.sumocfg").write_text(text, encoding="utf-8")
+        assert read_config(tmp_path / "a.sumocfg").end_s is None
+
+
+def test_what_route_and_additional_files_mention_is_found_packed_or_not(tmp_path):
+    (tmp_path / "n.net.xml").touch()
+    (tmp_path / "a.rou.xml").write_bytes(b"<routes>one</routes>")
+    (tmp_path / "b.add.xml.gz").write_bytes(gzip.compress(b"<additional>two</additional>"))
+    files = '<route-files value="a.rou.xml"/><additional-files value="b.add.xml.gz,gone.xml"/>'
+    text = f'<configuration><net-file value="n.net.xml"/>{files}</configuration>'
+    (tmp_path / "a.sumocfg").write_text(text, encoding="utf-8")
+    config = read_config(tmp_path / "a.sumocfg")
+    assert [config.mentions([mark]) for mark in (b"one", b"two", b"three")] == [True, True, False]
+    assert config.mentions((b"three", b"two")) and not config.mentions(())

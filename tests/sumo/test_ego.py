@@ -218,7 +218,7 @@ def test_an_ego_that_is_released_drives_on_as_sumo_drives(tmp_path):
 
 
 def test_an_ego_taken_over_is_where_sumo_has_it_and_drives_by_itself_no_more(tmp_path):
-    stop = '<stop lane="ce_0" endPos="50" duration="10"/><stop lane="ce_0" endPos="90" duration="5"/>'
+    stop = '<stop lane="ce_0" endPos="50" duration="10"/><stop lane="ce_0" endPos="90" until="77"/>'
     with on_cross(tmp_path, 'departSpeed="8"', stop) as (ego, _):
         x, y = libsumo.vehicle.getPosition("ego")
         state = ego.take_over(0.1)
@@ -227,7 +227,7 @@ def test_an_ego_taken_over_is_where_sumo_has_it_and_drives_by_itself_no_more(tmp
         assert not libsumo.vehicle.getStops("ego")
         assert (libsumo.vehicle.getSpeedMode("ego"), libsumo.vehicle.getLaneChangeMode("ego")) == (32, 0)
         assert [(s.lane_id, s.position, s.duration, s.until) for s in ego.route.stops] == [
-            ("ce_0", 50.0, 10.0, None), ("ce_0", 90.0, 5.0, None),
+            ("ce_0", 50.0, 10.0, None), ("ce_0", 90.0, 0.0, 77.0),
         ]  # fmt: skip
 
 

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
 
 import libsumo
@@ -184,3 +185,25 @@ def test_where_a_trip_ends_is_read_from_the_saved_state(tmp_path):
         assert arrival_of("c") == arrival_of("d") == (None, None)
     finally:
         libsumo.close()
+
+
+def test_options_name_every_file_where_it_was_and_leave_special_names_and_variables_alone(tmp_path):
+    inner = (
+        '<gui-settings-file value="a.view.xml"/><output-prefix value="x_"/><summary-output value="localhost:8000"/>'
+        '<vehroute-output value="${OUT}/v.xml"/><collision-output value=" c.xml "/><fcd-output value="NUL"/>'
+    )
+    config = scenario(tmp_path, inner)
+    files = [str(ROUNDABOUT / "roundabout.rou.xml"), "more.rou.xml"]
+    config = replace(config, options={**config.options, "route-files": ", ".join(files)})
+    options, left_out = runnable_config(config)
+    assert options["route-files"] == f"{files[0]},{tmp_path / files[1]}"
+    assert (options["summary-output"], options["vehroute-output"]) == ("localhost:8000", "${OUT}/v.xml")
+    assert (options["collision-output"], options["fcd-output"]) == (str(tmp_path / "c.xml"), "NUL")
+    assert (options["output-prefix"], options["end"]) == ("x_", "2")
+    assert left_out == (("gui-settings-file", "a.view.xml", "left out"),)
+
+
+def test_what_is_left_out_is_told_with_its_file(tmp_path):
+    options, left_out = runnable_config(scenario(tmp_path, '<additional-files value="osm.poly.xml"/>'))
+    assert left_out == (("additional-files", str(tmp_path / "osm.poly.xml"), "left out: missing"),)
+    assert "additional-files" not in options

@@ -42,3 +42,25 @@ def test_a_route_that_sumo_refuses_is_shown_again_in_the_next_step(told):
     for _ in range(3):
         route.follow(1)
     assert (len(told["added"]), len(told["set"])) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("edges", "ends", "is_shown"),
+    [
+        (("a", "b", "c"), "123", False),  # no place twice
+        (("a", "b", "a"), "121", True),  # an edge twice
+        (("a", "b", "c"), "121", True),  # a junction twice
+    ],
+)
+def test_only_a_route_that_passes_a_place_twice_is_shown_in_parts(told, edges, ends, is_shown):
+    RouteWindow("ego", edges, dict(zip(edges, ends, strict=True)).get).follow(1)
+    assert bool(told["set"]) is is_shown
+
+
+def test_a_part_is_shown_once_and_each_route_of_the_ego_has_names_of_its_own(told):
+    first, second = window(), RouteWindow("ego", ("a", "b", "a"), {"a": "1", "b": "2"}.get, number=2)
+    for _ in range(2):
+        first.follow(1)
+        second.follow(1)
+    assert told["set"] == ["reactive.route.ego.1.1", "reactive.route.ego.2.1"]
+    assert told["added"] == [("b", "c"), ("b", "a")]

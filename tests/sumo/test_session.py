@@ -139,12 +139,11 @@ def test_a_vehicle_tells_its_type_and_whether_it_is_a_road_car(tmp_path, road):
 
 
 def test_what_stops_sumo_under_way_is_told_with_the_time(tmp_path, road, monkeypatch):
-    with session(tmp_path, road, CARS) as running:
+    def fail():
+        raise libsumo.TraCIException("  \n the third thing\nmore")
+
+    failure = pytest.raises(SimulationError, match=r"^SUMO failed at 1\.0 s: the third thing$")
+    with failure, session(tmp_path, road, CARS) as running:
         running.step()
-
-        def fail():
-            raise libsumo.TraCIException("  \n the third thing\nmore")
-
         monkeypatch.setattr(libsumo, "simulationStep", fail)
-        with pytest.raises(SimulationError, match=r"^SUMO failed at 1\.0 s: the third thing$"):
-            running.step()
+        running.step()

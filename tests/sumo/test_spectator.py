@@ -5,7 +5,7 @@ import pytest
 from net_recipes import CROSS_NODES, converted, cross_edges
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.sumo.spectator import Spectator
+from sumo_reactive.sumo.spectator import Bystanders, Spectator
 from sumo_reactive.sumo.units import heading_of
 
 TYPE = '<vType id="t" length="4.4" width="1.7" sigma="0" speedDev="0"/>'
@@ -56,20 +56,57 @@ def test_a_trip_is_seen_to_its_end_with_the_way_that_is_left_and_the_line_that_i
         assert spectator.look() is None
 
 
-def test_who_walks_near_is_seen_and_who_walks_far_is_not(net, tmp_path):
-    walks = "".join(
-        f'<person id="{name}" depart="0" departPos="{at}"><walk edges="wc" arrivalPos="{at + 5}" speed="0.5"/></person>'
-        for name, at in (("near", 100), ("far", 5))
-    )
-    with running(net, tmp_path, TYPE + walks + vehicle("ego", "wc ce", type="t", departPos=100)):
+WALKS = ("--sidewalks.guess", "--sidewalks.guess.max-speed", "15", "--crossings.guess")
+
+
+@pytest.mark.parametrize("reach", [60.0, 20.0])
+def test_who_walks_over_a_crossing_near_is_seen_there_and_nowhere_else(tmp_path, reach):
+    kind = CROSS_NODES.format(kind="traffic_light")
+    net = converted(tmp_path, kind, cross_edges(), "--no-turnarounds", *WALKS)
+    walk = '<person id="p" depart="0" departPos="145"><walk edges="wc nc" speed="1.5"/></person>'
+    with running(net, tmp_path, TYPE + walk + vehicle("ego", "wc ce", type="t", departPos=100)):
+        libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
         simulated()
-        spectator = Spectator("ego", 50.0)
+        libsumo.vehicle.setSpeed("ego", 0.0)
+        spectator, lanes = Spectator("ego", reach), set()
+        for _ in range(150):
+            simulated()
+            view = spectator.look()
+            assert view is not None
+            for one in view.others:
+                assert (one.id, one.body.is_person) == ("p", True)
+                assert (one.x, one.y, one.speed) == (*libsumo.person.getPosition("p"), libsumo.person.getSpeed("p"))
+                assert (one.body.length, one.body.width) == (libsumo.person.getLength("p"), libsumo.person.getWidth("p"))
+                assert one.lane_position == libsumo.person.getLanePosition("p")
+                assert one.heading == heading_of(libsumo.person.getAngle("p"))
+                lanes.add(one.lane_id)
+    assert lanes == ({":c_c3_0"} if reach == 60.0 else set())
+
+
+def test_who_is_on_a_bridge_above_is_not_near(tmp_path):
+    nodes = "".join(
+        f'<node id="{name}" x="{x}" y="{y}" z="{z}"/>'
+        for name, x, y, z in (("w", -100, 0, 0), ("e", 100, 0, 0), ("s", 0, -100, 8), ("n", 0, 100, 8))
+    )
+    edges = '<edges><edge id="we" from="w" to="e"/><edge id="sn" from="s" to="n"/></edges>'
+    net = converted(tmp_path, f"<nodes>{nodes}</nodes>", edges)
+    places = (("ego", "we", 100), ("above", "sn", 100), ("behind", "we", 80), ("reactive.ghost.x", "we", 60))
+    places = (*places, ("far", "we", 5))
+    slow = TYPE.replace("sigma", 'maxSpeed="0.2" sigma')
+    cars = "".join(vehicle(name, way, type="t", departPos=at) for name, way, at in places)
+    with running(net, tmp_path, slow + cars):
+        simulated(5)
+        assert len(libsumo.vehicle.getIDList()) == 5
+        spectator, bystanders = Spectator("ego", 70.0), Bystanders("behind")
         simulated()
         view = spectator.look()
         assert view is not None
-        (one,) = view.others
-        assert (one.id, one.body.is_person) == ("near", True)
-        assert (one.x, one.y, one.speed) == (*libsumo.person.getPosition("near"), libsumo.person.getSpeed("near"))
-        assert (one.body.length, one.body.width) == (libsumo.person.getLength("near"), libsumo.person.getWidth("near"))
-        assert (one.lane_id, one.lane_position) == ("wc_0", libsumo.person.getLanePosition("near"))
-        assert one.heading == heading_of(libsumo.person.getAngle("near"))
+        assert {one.id for one in view.others} == {"behind", "reactive.ghost.x"}
+        assert {one.id for one in bystanders.look()} == {"ego"}
+        (one,) = bystanders.look()
+        assert (one.x, one.y, one.speed) == (*libsumo.vehicle.getPosition("ego"), libsumo.vehicle.getSpeed("ego"))
+        assert (one.body.length, one.body.width) == (4.4, 1.7)
+        bystanders.leave()
+        libsumo.vehicle.remove("behind")
+        simulated()
+        assert "behind" not in libsumo.vehicle.getIDList()

@@ -9,7 +9,7 @@ import shapely
 from net_recipes import converted
 from simulations import running, simulated
 
-from sumo_reactive.driver.parameters import OUTLINE_STEP_M, STATIC_SIGHT_M
+from sumo_reactive.driver.parameters import LANES_REFRESH_M, OUTLINE_STEP_M, STATIC_SIGHT_M
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.static_obstacles import LARGEST_OBSTACLE_M, StaticObstacles, StaticView, hull_of, outline
 
@@ -31,7 +31,9 @@ ROUTES = """<vType id="car" length="5" width="1.8"/>
 <vehicle id="late" type="car" depart="0" departPos="50"><route edges="ab"/>
   <stop lane="ab_0" endPos="80" parking="true" duration="8"/></vehicle>
 <vehicle id="halted" type="car" depart="0" departPos="225"><route edges="ab"/>
-  <stop lane="ab_0" endPos="230" duration="99"/></vehicle>"""
+  <stop lane="ab_0" endPos="230" duration="99"/></vehicle>
+<vehicle id="later" type="car" depart="1" departPos="0"><route edges="ab"/>
+  <stop lane="ab_0" endPos="95" parking="true" duration="6"/></vehicle>"""
 
 
 def watched(folder, kind="obstacle") -> list[dict]:
@@ -88,16 +90,30 @@ def test_a_vehicle_parked_beside_the_road_is_points_on_its_outline(steps):
 
 
 def test_a_vehicle_counts_from_the_step_in_which_it_parks_until_it_is_on_the_lane_again(steps):
-    parked = [len(box(step["points"], 75.0, 80.0, -5.7, -3.9)) > 0 for step in steps]
-    on_lane = ["late" in step["on_lane"] for step in steps]
-    assert any(parked)
-    assert parked == [not there for there in on_lane]
+    for name, front in (("late", 80.0), ("later", 95.0)):
+        parked = [len(box(step["points"], front - 5.0, front, -5.7, -3.9)) > 0 for step in steps]
+        on_lane = [name in step["on_lane"] for step in steps]
+        assert any(parked)
+        assert parked == [not there for there in on_lane]
 
 
 def test_vehicles_that_stand_on_the_lane_are_seen_there_and_are_no_points(steps):
     for step in steps:
         assert {"halted", "kerbed"} <= set(step["on_lane"])
         assert not len(box(step["points"], 185.0, 240.0, -3.2, 0.0))
+
+
+def test_an_ego_that_has_come_on_looks_anew_and_one_that_has_not_does_not(tmp_path):
+    more = tmp_path / "more.add.xml"
+    more.write_text(ADDITIONAL)
+    with running(converted(tmp_path, NODES, EDGES), tmp_path, ROUTES, "-a", str(more), step=1.0):
+        simulated(6)
+        seen = StaticView(StaticObstacles(), "long")
+        first = seen.near(120.0, -1.6)
+        assert seen.near(120.0 + 0.9 * LANES_REFRESH_M, -1.6) is first
+        there = seen.near(470.0, -1.6)
+        assert [user.id for user in there.users] == ["polygon:far"]
+        assert not len(box(first.points, 165.0, 170.0, -5.7, -3.9))  # the ego itself, parked
 
 
 def test_what_is_far_is_left_out(steps):

@@ -13,5 +13,5 @@ HERE = Path(__file__).parent
 def test_every_tool_is_run_by_a_test_that_looks_at_its_output(name):
     path = HERE / f"test_{name}.py"
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    assert re.search(rf'run_tool\(\s*"{name}"|"{name}\.py".*sys\.executable', text, re.DOTALL)
+    assert re.search(rf"""run_tool\(\s*"{name}"|["']{name}\.py["'].*sys\.executable""", text, re.DOTALL)
     assert "stdout" in text

@@ -63,9 +63,13 @@ class StepRecord(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """All that a judge may look at after a step: the ego's record, every road user near, where SUMO has put them, and the
-    letters, before the step and in it, of a light whose stop line the ego crosses, as SUMO has it (empty: none crossed)."""
+    """All that a judge may look at after a step, as SUMO has it: the ego's record and every road user near.
+
+    `crossed`: the letters, before the step and in it, of a light whose stop line the ego crosses (empty: none crossed).
+    `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not.
+    """
 
     step: StepRecord
     users: tuple[RoadUser, ...]
     crossed: str = ""
+    beside: tuple[RoadUser, ...] = ()

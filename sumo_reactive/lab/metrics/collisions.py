@@ -11,16 +11,13 @@ class Collisions:
 
     def __init__(self) -> None:
         self.collisions: list[Collision] = []
-        self._touching: set[str] = set()
+        self._touching: frozenset[str] = frozenset()
 
     def see(self, moment: Moment) -> None:
         """Note who touches the ego now and did not before."""
-        if not self._touching and not any(moment.touches):
-            return
-        touching = {user.id for user, touches in zip(moment.users, moment.touches, strict=True) if touches}
-        for user_id in sorted(touching - self._touching):
+        for user_id in sorted(moment.touching - self._touching):
             self.collisions.append(Collision(moment.step.time, user_id, moment.step.lane_id))
-        self._touching = touching
+        self._touching = moment.touching
 
     def figures(self) -> Figures:
         """Return the number of collisions."""

@@ -27,9 +27,9 @@ class Moment(NamedTuple):
     """A step as the judges see it.
 
     `duration` is the time since the last step (s, NaN at first), `acceleration` the ego's since then (m/s²). `users` are
-    all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `touches` whether each box and the ego's
-    overlap, `times_to_collision` what it says (s, infinite: none). `slowing` maps those that slow down to their
-    acceleration (m/s², negative). `crossed` is the scene's.
+    all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `times_to_collision` what it says (s,
+    infinite: none). `touching` are those, of all that are beside, whose box and the ego's overlap. `slowing` maps those that
+    slow down to their acceleration (m/s², negative). `crossed` is the scene's.
     """
 
     step: StepRecord
@@ -39,7 +39,7 @@ class Moment(NamedTuple):
     width: float
     users: tuple[RoadUser, ...]
     boxes: Array
-    touches: Sequence[float]
+    touching: frozenset[str]
     times_to_collision: Sequence[float]
     slowing: Mapping[str, float]
     crossed: str
@@ -51,6 +51,7 @@ class Moment(NamedTuple):
 
 
 _NO_BOXES = np.empty((0, 6))
+_NOBODY: frozenset[str] = frozenset()
 
 
 class Watch:
@@ -69,7 +70,11 @@ class Watch:
         acceleration = (step.speed - last.speed) / duration if last else math.nan
         near = _near(scene.users, step.x, step.y)
         boxes = _boxes(near) if near else _NO_BOXES
-        touches, times = self._contacts(step, boxes) if near else ((), ())
+        touching, times = self._contacts(step, near, boxes) if near else (_NOBODY, ())
+        known = {user.id for user in near}
+        others = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
+        if others:
+            touching |= self._contacts(step, others, _boxes(others))[0]
         speeds = {user.id: user.speed for user in near}
         before = self._speeds
         slowing = {
@@ -77,12 +82,16 @@ class Watch:
         }
         self._last, self._speeds = step, speeds
         size = self._length, self._width
-        return Moment(step, duration, acceleration, *size, near, boxes, touches, times, slowing, scene.crossed)
+        return Moment(step, duration, acceleration, *size, near, boxes, touching, times, slowing, scene.crossed)
 
-    def _contacts(self, step: StepRecord, boxes: Array) -> tuple[Sequence[float], Sequence[float]]:
+    def _contacts(
+        self, step: StepRecord, users: tuple[RoadUser, ...], boxes: Array
+    ) -> tuple[frozenset[str], Sequence[float]]:
         own = np.array([step.x, step.y, step.heading, step.speed, self._length, self._width])
         touches, times = contacts(own, boxes).tolist()
-        return touches, times
+        if not any(touches):
+            return _NOBODY, times
+        return frozenset(user.id for user, touch in zip(users, touches, strict=True) if touch), times
 
 
 def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ...]:

@@ -1,6 +1,8 @@
 """Leaving local minima: room, backing up, a new curve, more commands, and who is to blame (F&L 1991, §3.3)."""
 
 
+from dataclasses import replace
+
 import pytest
 from helpers.situations import before
 
@@ -113,3 +115,34 @@ def test_an_ego_that_does_not_get_on_asks_for_a_curve_once_and_then_searches_mor
     assert (curve.request.what, curve.tuning.wide_grid) == (Replanning.CURVE, False)
     assert (wider.request.what, wider.tuning.wide_grid, wider.instruction) == (Replanning.NOTHING, True, Instruction.WIDEN)
     assert [step.drive.memory.escapes for step in asked] == [1, 2]
+
+
+@pytest.mark.parametrize(
+    ("gap", "aside", "backs_up"),
+    [(-12.0, 0.0, False), (-12.0, 2.2, False), (-12.0, 2.5, True), (-16.0, 0.0, True), (-9.0, -2.2, False)],
+)
+def test_the_ground_behind_counts_as_far_as_the_ego_backs_up_and_a_bit_to_either_side(gap, aside, backs_up):
+    """It stands 3 m behind, has to back up 5 m and leaves 2 m; its own length is 4 m."""
+    ego, x = standing(3.0)
+    behind = ego.ahead("behind", gap - 1.0, 0.0)
+    behind = behind._replace(y=behind.y + aside)
+    way_out = escape(ego.considered(x, behind))
+    assert (way_out is not None and way_out.instruction is Instruction.BACK_UP) is backs_up
+
+
+@pytest.mark.parametrize(("gap", "backs_up"), [(HALTED_ROOM_M - 1.6, True), (HALTED_ROOM_M - 1.4, False)])
+def test_a_gap_that_is_nearly_room_enough_is_left_as_it_is(gap, backs_up):
+    ego, x = standing(gap)
+    way_out = escape(ego.considered(x))
+    assert (way_out is not None and way_out.instruction is Instruction.BACK_UP) is backs_up
+
+
+def test_the_ego_does_not_back_up_into_a_junction_that_it_has_passed():
+    ego, x = standing(3.0)
+    situation = ego.considered(x)
+    front = situation.snapshot.front
+    for behind, backs_up in ((2.0, False), (9.5, True)):
+        (way, *_) = before("blocked_lane", STREET, 10.0, 5.0).considered().ways
+        passage = replace(way.passage, start=front - behind - 8.0, end=front - behind)
+        way_out = escape(situation._replace(ways=(way._replace(passage=passage),)))
+        assert (way_out is not None and way_out.instruction is Instruction.BACK_UP) is backs_up

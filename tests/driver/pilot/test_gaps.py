@@ -1,8 +1,38 @@
 """Times at a region, worked out by hand."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from sumo_reactive.driver.pilot.gaps import Passing, stopping_behind
+from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.parameters import (
+    COMFORT_DECELERATION,
+    FEARED_DECELERATION,
+    FOE_ACCELERATION,
+    FOLLOWER_DECELERATION,
+    FOLLOWER_STANDSTILL_GAP_M,
+    GAP_AFTER_S,
+    GAP_BEFORE_S,
+    LEAVING_ACCELERATION,
+    MERGE_GAP_S,
+    STANDING_SPEED,
+)
+from sumo_reactive.driver.pilot.gaps import (
+    Passing,
+    Threat,
+    gap_for_follower,
+    is_enough,
+    passing,
+    stopping_behind,
+    threat,
+    turning,
+)
+from sumo_reactive.driver.vehicle.travel_time import travel_time
+from sumo_reactive.driver.world.junction import Connection, Control, Turn
+from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 
 OWN = Passing(arrival=1.0, clearance=3.0, merged=2.0, speed=10.0)
 
@@ -26,3 +56,132 @@ def test_who_must_brake_harder_to_stop_behind_it_does_so():
 
 def test_who_starts_from_standstill_need_not_brake_before_it_has_left():
     assert stopping_behind(OWN, to_clear=14.0, speed=0.0, to_stop=15.0) == OWN
+
+
+BOTH = Interval(5.0, 8.0)
+CROSSING = ConflictRegion(
+    "r", ConflictKind.CROSSING, "a", "b", BOTH, BOTH, np.zeros((4, 2)), PostConflictRegion("a", 8.0)
+)
+WAY = Connection(
+    "b", "j", 0, "in_0", "out_0", (), Polyline(np.array([(0.0, 0.0), (20.0, 0.0)])), Turn.STRAIGHT, Control.MAJOR,
+    speed_limit=14.0,
+)  # fmt: skip
+CAR_BODY, PERSON = Body(5.0, 1.8, 9.0, 12.0), Body(0.2, 0.5, 2.0, 1.5, is_person=True)
+
+
+def foe(speed: float, to_region: float, kind: ConflictKind = ConflictKind.CROSSING, body: Body = CAR_BODY) -> Foe:
+    """Somebody `to_region` m before a region of 3 m length."""
+    user = RoadUser("x", 0.0, 0.0, 0.0, speed, "in_0", 0.0, body)
+    conflict = Conflict(replace(CROSSING, kind=kind), WAY, must_yield=True, is_yielded_to=False)
+    return Foe(user, 0, conflict, to_region - 5.0, to_region, to_region + 3.0 + body.length)
+
+
+def test_who_keeps_its_speed_is_in_the_region_as_long_as_its_way_takes():
+    own = passing(to_region=20.0, to_clear=28.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=10.0)
+    assert own == pytest.approx((2.0, 2.8, 2.5, 10.0))
+
+
+def test_who_starts_gains_speed_until_it_has_reached_its_top():
+    """With 2 m/s² from a stand: 4 m after 2 s, 9 m after 3 s; at 6 m/s from there on."""
+    own = passing(to_region=4.0, to_clear=15.0, length=5.0, speed=0.0, acceleration=2.0, top_speed=6.0)
+    assert own == pytest.approx((2.0, 4.0, 3.0, 6.0))
+
+
+def test_who_is_too_fast_for_the_bend_comes_at_the_earliest_at_its_speed_and_leaves_at_the_bends():
+    """From 10 to 5 m/s it brakes within 15 m, in 2 s; before that it drives 5 m in half a second."""
+    own = passing(to_region=20.0, to_clear=30.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=5.0)
+    lead = 0.5 + (10.0 - 5.0) / COMFORT_DECELERATION
+    assert own == pytest.approx((travel_time(20.0, 10.0, 2.0, 5.0), lead + 10.0 / 5.0, lead + 5.0 / 5.0, 5.0))
+
+
+def test_who_has_no_room_to_brake_for_the_bend_is_there_at_the_mean_of_both_speeds():
+    own = passing(to_region=6.0, to_clear=16.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=5.0)
+    assert own[1:] == pytest.approx((0.8 + 2.0, 0.8 + 1.0, 5.0))
+
+
+def test_who_is_in_the_bend_already_drives_at_its_speed():
+    own = passing(to_region=-1.0, to_clear=10.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=5.0)
+    assert own[1:] == pytest.approx((2.0, 4.0 / 5.0, 5.0))
+
+
+def test_who_turns_round_is_everywhere_for_as_long_as_that_takes():
+    assert turning(to_start=12.0, speed=6.0, acceleration=2.0, duration=20.0) == pytest.approx((2.0, 22.0, 22.0, 0.0))
+
+
+@pytest.mark.parametrize(("speed", "arrival"), [(1.5, 4.0), (0.2, 12.0)])
+def test_a_pedestrian_keeps_its_pace_and_is_not_taken_for_slower_than_half_a_metre_a_second(speed, arrival):
+    other = threat(foe(speed, 6.0, body=PERSON))
+    assert other == pytest.approx((arrival, arrival * 9.2 / 6.0, arrival * 9.2 / 6.0))
+
+
+def test_a_car_may_come_sooner_than_at_its_speed_and_leave_no_sooner():
+    one = foe(8.0, 16.0)
+    other = threat(one)
+    assert other.arrival == pytest.approx(travel_time(16.0, 8.0, FOE_ACCELERATION, 12.0))  # its own top speed
+    assert (other.clearance, other.merged) == pytest.approx((24.0 / 8.0, 21.0 / 8.0))
+    assert threat(one, expects_ego=True).arrival == pytest.approx(2.0)
+
+
+def test_a_car_that_is_seen_to_gain_speed_leaves_as_soon_as_that_takes_it():
+    other = threat(foe(4.0, 6.0), gaining=1.0)
+    assert (other.clearance, other.merged) == pytest.approx(tuple(travel_time(way, 4.0, 1.0, 12.0) for way in (14.0, 11.0)))
+    most = threat(foe(4.0, 6.0), gaining=99.0)
+    assert most.clearance == pytest.approx(travel_time(14.0, 4.0, LEAVING_ACCELERATION, 12.0))
+
+
+def test_a_car_that_stands_in_the_region_is_there_for_long():
+    other = threat(foe(0.0, -2.0))
+    assert other.arrival == 0.0 and other.clearance == pytest.approx(6.0 / STANDING_SPEED)
+
+
+def enough(own: Passing, one: Foe, other: Threat, patience: float = 1.0) -> tuple[bool, bool]:
+    """Whether it may pass before the foe, and whether before or after it."""
+    return tuple(is_enough(own, one, other, patience, may_follow=may) for may in (False, True))
+
+
+@pytest.mark.parametrize("patience", [1.0, 0.5])
+def test_in_a_crossing_region_one_is_gone_a_while_before_the_other_comes(patience):
+    one, own = foe(8.0, 16.0), Passing(4.0, 6.0, 5.0, 8.0)
+    before, after = GAP_BEFORE_S * patience, GAP_AFTER_S * patience
+    assert enough(own, one, Threat(6.0 + before + 0.01, 9.0, 8.0), patience) == (True, True)
+    assert enough(own, one, Threat(6.0 + before - 0.01, 9.0, 8.0), patience) == (False, False)
+    assert enough(own, one, Threat(1.0, 4.0 - after - 0.01, 8.0), patience) == (False, True)
+    assert enough(own, one, Threat(1.0, 4.0 - after + 0.01, 8.0), patience) == (False, False)
+
+
+@pytest.mark.parametrize(("own_speed", "foe_speed"), [(8.0, 8.0), (4.0, 10.0), (12.0, 6.0)])
+def test_where_lanes_merge_whoever_comes_behind_has_time_to_adapt(own_speed, foe_speed):
+    one, own = foe(foe_speed, 16.0, ConflictKind.MERGING), Passing(4.0, 9.0, 5.0, own_speed)
+
+    def adapting(behind: float, ahead: float) -> float:
+        return max(0.0, behind - ahead) ** 2 / (2.0 * FOLLOWER_DECELERATION) / behind
+
+    before = MERGE_GAP_S + adapting(foe_speed, own_speed)
+    after = GAP_AFTER_S + adapting(own_speed, foe_speed)
+    assert enough(own, one, Threat(5.0 + before + 0.01, 99.0, 99.0)) == (True, True)
+    assert enough(own, one, Threat(5.0 + before - 0.01, 99.0, 99.0)) == (False, False)
+    assert enough(own, one, Threat(0.0, 99.0, 4.0 - after - 0.01)) == (False, True)
+    assert enough(own, one, Threat(0.0, 99.0, 4.0 - after + 0.01)) == (False, False)
+
+
+def test_a_pedestrian_where_lanes_merge_counts_as_where_they_cross():
+    one, own = foe(1.0, 6.0, ConflictKind.MERGING, PERSON), Passing(4.0, 9.0, 5.0, 8.0)
+    assert enough(own, one, Threat(9.0 + GAP_BEFORE_S - 0.01, 20.0, 20.0)) == (False, False)
+    assert enough(own, one, Threat(9.0 + GAP_BEFORE_S + 0.01, 20.0, 20.0)) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("speed", "ahead", "gap"),
+    [
+        (10.0, 0.0, max(10.0 * (1.0 + 5.0 / FEARED_DECELERATION), 25.0)),  # stops behind one that stands
+        (10.0, 10.0, 25.0 - 50.0 / FEARED_DECELERATION),  # he too needs some way to stop
+        (3.0, 3.0, 3.0),  # its headway alone
+        (20.0, 20.0, max(20.0 + 200.0 / FEARED_DECELERATION, 100.0) - 200.0 / FEARED_DECELERATION),
+    ],
+)
+def test_a_follower_feels_safe_where_it_can_react_and_stop(speed, ahead, gap):
+    assert gap_for_follower(speed, ahead, headway=1.0, braking=2.0) == pytest.approx(FOLLOWER_STANDSTILL_GAP_M + gap)
+
+
+def test_a_follower_that_is_much_slower_needs_no_gap():
+    assert gap_for_follower(2.0, 15.0, headway=1.0, braking=2.0) == 0.0

@@ -1,0 +1,60 @@
+"""When an ego that waits for a gap to change lanes looks for another way."""
+
+from __future__ import annotations
+
+import pytest
+from helpers.situations import before
+
+from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.snapshot import Neighbour
+from sumo_reactive.driver.parameters import AT_LANE_END_M, CREEPING_SPEED, MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.missed_turn import is_missed, waiting_since
+
+EGO = before("blocked_lane", ("eastbound", "eastbound_out"), 60.0, 0.5)
+SNAPSHOT = EGO.seen()
+
+
+def stop(away: float = 2.0, reason: Reason = Reason.NO_GAP) -> StopAt:
+    """A place to stop at, `away` m ahead."""
+    return StopAt(SNAPSHOT.front + away, reason)
+
+
+def test_who_creeps_or_stands_for_want_of_a_gap_waits_from_now_on():
+    assert waiting_since(SNAPSHOT, stop(), PilotMemory()) == SNAPSHOT.time
+    assert waiting_since(SNAPSHOT, stop(), PilotMemory(waiting_since=7.0)) == 7.0
+
+
+@pytest.mark.parametrize("place", [None, stop(reason=Reason.RED_LIGHT)])
+def test_who_stops_for_something_else_does_not_wait_for_a_gap(place):
+    assert waiting_since(SNAPSHOT, place, PilotMemory(waiting_since=7.0)) is None
+
+
+@pytest.mark.parametrize(("speed", "waits"), [(CREEPING_SPEED, True), (CREEPING_SPEED + 0.1, False)])
+def test_who_drives_does_not_wait(speed, waits):
+    seen = EGO.at_speed(speed).seen()
+    assert (waiting_since(seen, stop(), PilotMemory(waiting_since=7.0)) is not None) is waits
+
+
+def missed(waited: float, away: float = 2.0, passing: float | None = 8.0) -> bool:
+    """Whether the turn is missed after so long, so far before the lane's end, somebody beside driving with that speed."""
+    beside = () if passing is None else (Neighbour(EGO.other("x", "eastbound_0", 10.0, passing, ()), -10.0),)
+    memory = PilotMemory(waiting_since=SNAPSHOT.time - waited)
+    return is_missed(SNAPSHOT._replace(neighbours=beside), stop(away), memory)
+
+
+@pytest.mark.parametrize(("waited", "is_over"), [(MISSED_TURN_S - 1.0, False), (MISSED_TURN_S + 1.0, True)])
+def test_at_the_end_of_its_lane_an_ego_that_others_pass_gives_up_soon(waited, is_over):
+    assert missed(waited) is is_over
+
+
+@pytest.mark.parametrize(("away", "passing"), [(2.0, None), (2.0, 0.5), (AT_LANE_END_M + 1.0, 8.0)])
+def test_a_queue_may_yet_move_and_so_may_the_ego_on_its_lane(away, passing):
+    assert not missed(MISSED_TURN_S + 1.0, away, passing)
+    assert not missed(QUEUE_PATIENCE_S - 1.0, away, passing)
+    assert missed(QUEUE_PATIENCE_S + 1.0, away, passing)
+
+
+def test_who_does_not_wait_misses_nothing():
+    assert not is_missed(SNAPSHOT, None, PilotMemory(waiting_since=0.0))
+    assert not is_missed(SNAPSHOT, stop(), PilotMemory())
