@@ -43,7 +43,7 @@ def test_a_folder_elsewhere_is_one_line(tmp_path, name):
     data = json.loads((folder / "fleet.json").read_text(encoding="utf-8"))
     data["egos"][0]["folder"] = name
     (folder / "fleet.json").write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(ScenarioError, match="an ego's folder is no name"):
+    with pytest.raises(ScenarioError, match="folder"):
         page_of(folder, tmp_path / "page.html")
 
 

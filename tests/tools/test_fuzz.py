@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
 
 
 def test_every_spoilt_input_ends_in_one_line(folder):
-    kinds = ("scenario", "configuration", "network", "traffic", "experiment", "record", "fleet", "command line")
+    kinds = ("scenario", "configuration", "network", "traffic", "experiment", "record", "fleet", "store", "command line")
     asked = [word for kind in kinds for word in ("--kind", kind)]
     answer = fuzz("--number", CASES, "--keep", folder, *asked)
     assert answer.returncode == 0, answer.stdout + answer.stderr
