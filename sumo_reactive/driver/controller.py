@@ -17,6 +17,7 @@ from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S, PLANS_KEPT
 from sumo_reactive.driver.path.time_constraints import retimed
+from sumo_reactive.driver.pilot.behaviours.stopping import still_to_serve
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Ahead
@@ -144,7 +145,8 @@ class Controller:
         style = Style(self.profile is Profile.PAPER, self.delays)
         completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
         if completed.request.what is Replanning.TIMES:
-            times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits)
+            stops = still_to_serve(plan, memory, snapshot.time)
+            times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits, stops)
             completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
         return snapshot, completed, memory, asked
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from kinds import Net, car, cross, driven, edge, link, node, sort, standing, stream
+from kinds import Net, car, cross, driven, edge, link, node, sort, standing, stop, stream
 
 SIZES = {
     2.2: ("passenger", 0.9),
@@ -59,3 +59,12 @@ def test_short_and_long_cars_pass_somebody_who_waits_inside_for_them(tmp_path, l
     ahead = stream("ahead", "wc ce", [0, 1.5, 3])
     run = driven(tmp_path, net, size, car("ego", "wc ce", 4.5, type="size"), ahead, car("waits", "ec cs", 0), until=60)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("at", [30, 80])
+def test_after_a_stop_of_the_route_the_ego_drives_on_as_fast_as_the_road_allows(tmp_path, at):
+    """The time of a stop counts once: what is left of it, while it is served, and nothing afterwards."""
+    net = Net(node("a", 0, 0) + node("b", 200, 0) + node("c", 400, 0), edge("ab") + edge("bc"))
+    ego = car("ego", "ab bc", stops=stop("ab_0", at, duration=20))
+    run = driven(tmp_path, net, ego, until=150)
+    assert run.complaints(slower=1.1) == []

@@ -74,15 +74,20 @@ def time_constraints(
     return (*found, *_constraints(pending, first, times, step, limits)), schedule
 
 
-def retimed(plan: NominalPlan, s: float, speed: float, time: float, limits: VehicleLimits) -> tuple[TimeConstraint, ...]:
+def retimed(
+    plan: NominalPlan, s: float, speed: float, time: float, limits: VehicleLimits, stops: Sequence[PlannedStop]
+) -> tuple[TimeConstraint, ...]:
     """Return the time constraints ahead of a car with its front axle at `s` m and `speed` m/s: as planned where limits
-    allow, else the earliest that they do. This is the answer that the paper names for a delay (F&L 1991, §2)."""
+    allow, else the earliest that they do. This is the answer that the paper names for a delay (F&L 1991, §2).
+
+    `stops`: those of the plan that are still to be served, for the time that is left of them.
+    """
     step = plan.curve.step
     first = min(int(s / step), len(plan.speed_limits) - 2)
     began = first * step
     front = s + limits.front_overhang
     ahead = [constraint for constraint in plan.time_constraints if constraint.s > front]
-    stops = [replace(stop, s=stop.s - began) for stop in plan.stops if stop.s > front]
+    stops = [replace(stop, s=stop.s - began) for stop in stops if stop.s > front]
     places = [constraint.s - began for constraint in ahead]
     earliest, _ = time_constraints(step, plan.speed_limits[first:], places, stops, limits, (time, speed))
     at = {round(constraint.s + began, 3): constraint.time for constraint in earliest}

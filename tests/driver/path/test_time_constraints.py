@@ -76,13 +76,13 @@ def straight_plan(stops=(), slack: float = 0.0):
 
 def test_planned_anew_a_constraint_that_can_still_be_met_is_kept() -> None:
     found = straight_plan(slack=5.0)
-    assert retimed(found, 100.0, 10.0, 113.0, CAR) == found.time_constraints
+    assert retimed(found, 100.0, 10.0, 113.0, CAR, found.stops) == found.time_constraints
 
 
 def test_planned_anew_a_constraint_that_cannot_be_met_becomes_the_earliest_that_limits_allow() -> None:
     found = straight_plan()
     goal = found.time_constraints[-1]
-    (later,) = retimed(found, 100.0, 10.0, 130.0, CAR)
+    (later,) = retimed(found, 100.0, 10.0, 130.0, CAR, found.stops)
     assert later.s == goal.s
     assert later.time == pytest.approx(130.0 + (goal.s - CAR.front_overhang - 100.0) / 10.0, abs=0.3)
     assert later.time > goal.time
@@ -90,17 +90,17 @@ def test_planned_anew_a_constraint_that_cannot_be_met_becomes_the_earliest_that_
 
 def test_planned_anew_a_standing_car_is_given_the_time_to_speed_up() -> None:
     found = straight_plan()
-    standing, driving = (retimed(found, 100.0, speed, 130.0, CAR)[0].time for speed in (0.0, 10.0))
+    standing, driving = (retimed(found, 100.0, speed, 130.0, CAR, found.stops)[0].time for speed in (0.0, 10.0))
     assert standing - driving == pytest.approx(0.5 * 10.0 / CAR.max_acceleration, abs=0.3)
 
 
 def test_planned_anew_the_duration_of_a_stop_ahead_is_kept() -> None:
     found = straight_plan(stops=(ScheduledStop("a_0", 150.0, 30.0, None),))
-    halt, goal = retimed(found, 50.0, 10.0, 140.0, CAR)
+    halt, goal = retimed(found, 50.0, 10.0, 140.0, CAR, found.stops)
     assert goal.time - halt.time >= 30.0 + (goal.s - halt.s) / 10.0 - 0.5
 
 
 def test_planned_anew_places_behind_the_front_are_gone() -> None:
     found = straight_plan(stops=(ScheduledStop("a_0", 150.0, 30.0, None),))
     behind = found.stops[0].s + 5.0
-    assert [c.s for c in retimed(found, behind, 5.0, 160.0, CAR)] == [found.time_constraints[-1].s]
+    assert [c.s for c in retimed(found, behind, 5.0, 160.0, CAR, found.stops)] == [found.time_constraints[-1].s]

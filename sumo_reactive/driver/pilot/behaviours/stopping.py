@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason, StopAt
 from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Snapshot
@@ -13,6 +15,15 @@ from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
     """Return the next scheduled stop that has not been served."""
     return next((planned for planned in plan.stops if planned.stop not in memory.served), None)
+
+
+def still_to_serve(plan: NominalPlan, memory: PilotMemory, time: float) -> tuple[PlannedStop, ...]:
+    """Return the stops not yet served at `time` (s), the one that is being served for as long as is left of it."""
+    left = tuple(planned for planned in plan.stops if planned.stop not in memory.served)
+    if memory.serving_until is None or not left:
+        return left
+    serving = replace(left[0].stop, duration=max(memory.serving_until - time, 0.0), until=None)
+    return replace(left[0], stop=serving), *left[1:]
 
 
 def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[StopAt | None, PilotMemory]:
