@@ -18,7 +18,7 @@ MOST_BYTES = 2**28
 LARGEST = 1e12
 """No number of a record is larger, whatever its unit."""
 
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
+Number = Annotated[int | float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
 
 
 class Keys(BaseModel):

@@ -7,9 +7,11 @@ import json
 import duckdb
 import pytest
 from helpers.recordings import made_record, step
+from pydantic import TypeAdapter
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.json_file import Number
 from sumo_reactive.show.explain import moment, story
 from sumo_reactive.show.recording import load
 from sumo_reactive.show.reports import page_of
@@ -141,3 +143,7 @@ def test_what_is_no_record_of_several_egos_is_refused(tmp_path, fleet):
     (tmp_path / "fleet.json").write_text(fleet, encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"fleet\.json: not the record of several egos"):
         page_of(tmp_path, tmp_path / "report.html")
+
+
+def test_a_count_stays_a_whole_number():
+    assert [repr(TypeAdapter(Number).validate_json(text)) for text in ("86", "86.5")] == ["86", "86.5"]
