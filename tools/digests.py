@@ -60,7 +60,7 @@ def main() -> None:
     """Drive, and write or compare."""
     asked = _arguments()
     try:
-        runs = _own_runs() if asked.trips is None else dict(_listed_runs(*asked.trips, asked.seed or [DEFAULT_SEED]))
+        runs = _own_runs() if asked.trips is None else dict(listed_runs(*asked.trips, asked.seed or [DEFAULT_SEED]))
         known = _read(asked.file) if asked.file.exists() or not asked.write else {}
     except InputError as error:
         raise SystemExit(_complain(str(error))) from error
@@ -115,7 +115,7 @@ def _own_runs() -> dict[str, Scenario]:
     }
 
 
-def _listed_runs(corpus: Path, path: Path, seeds: Sequence[int]) -> Iterator[tuple[str, Scenario]]:
+def listed_runs(corpus: Path, path: Path, seeds: Sequence[int]) -> Iterator[tuple[str, Scenario]]:
     """Yield the trips of a list; raise ScenarioError naming file, and column or line."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap, valley_map
@@ -128,15 +129,17 @@ class Controller:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
         none yet. Last is how often the highway code was asked."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
-        ahead = passages_ahead(self.graph, plan, snapshot.passages)
-        no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard
+        ahead = passages_ahead(self.graph, plan, snapshot.passages) if has(Mechanism.GRAPH) else ()
+        no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard and has(Mechanism.FEEDBACK)
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
-        if not events and drive.completed is not None:
+        runs_always = decides and not has(Mechanism.EVENTS)
+        if not events and drive.completed is not None and not runs_always:
             return snapshot, drive.completed, memory, 0
         if not has_foes:
             snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
         asked = 1
-        if drive.completed is not None and only_foes(events, snapshot) and may_confirm(snapshot, memory):
+        foes_only = not runs_always and only_foes(events, snapshot)
+        if drive.completed is not None and foes_only and may_confirm(snapshot, memory):
             asked = 2
             confirmed = confirm(snapshot, ahead, drive.completed, memory, self.limits)
             if confirmed is not None:

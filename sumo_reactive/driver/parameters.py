@@ -626,6 +626,9 @@ CONTROL_PERIOD_S = 0.1
 PAPER_CONTROL_PERIOD_S = 0.5
 """δt of the paper (F&L 1991, §4)."""
 
+WITHOUT = 0
+"""Number of the mechanism that is left out, see `ablation.py`; 0: none. `tools/ablation.py` measures what is then lost."""
+
 MAP_MARGIN_M = 20.0
 """A new bitmap is drawn when the ego comes this near to the rim."""
 

@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, lattice, paper_grid, wide_grid
 from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
 from sumo_reactive.driver.geometry.angle import wrapped
-from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.plan import TimeConstraint
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
@@ -208,6 +209,8 @@ def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
 
 def _target(snapshot: Snapshot, completed: CompletedPlan) -> TimeConstraint | None:
     """Return the next (l, t_l) of P⁺."""
+    if not has(Mechanism.TIMES):
+        return None
     for constraint in completed.time_constraints:
         if constraint.s > snapshot.front:
             return constraint
@@ -245,6 +248,8 @@ def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) 
 def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = HARD_STOP_MARGIN_M) -> float:
     """Way (m) in which the hardest braking must stop the front bumper: `margin` m before line or region, behind leaders."""
     room = math.inf
+    if not has(Mechanism.ROOM_TO_STOP):
+        return room
     if completed.stop is not None:
         room = completed.stop.s - margin - snapshot.front
     for leader in snapshot.leaders:
@@ -309,7 +314,7 @@ def _choose(
     valley: ValleyMap,
 ) -> tuple[Command, int, Potentials, VehicleState]:
     """Return the command, the verdict on it, its potentials and the state that it leads to."""
-    ego, curve, w = snapshot.ego, completed.plan.curve, completed.tuning.weights
+    ego, curve, w = snapshot.ego, completed.plan.curve, _weights(completed)
     p = ego.pose
     lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
     car = np.array(
@@ -341,6 +346,18 @@ def _choose(
     potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
     state = VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
     return Command(acceleration, rate), verdict, potentials, state
+
+
+def _weights(completed: CompletedPlan) -> Weights:
+    """Return w₁, w₂, w₃ of the instruction."""
+    w = completed.tuning.weights
+    if not has(Mechanism.MINIMUM):
+        return Weights(0.0, 0.0, 0.0)
+    return Weights(
+        w.valley if has(Mechanism.VALLEY) else 0.0,
+        w.shadow if has(Mechanism.SHADOW) else 0.0,
+        w.velocity if has(Mechanism.VELOCITY) else 0.0,
+    )
 
 
 def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
@@ -159,7 +160,7 @@ def assess(
         np.zeros(len(speeds)), ASSESSMENT_STEP_S, PATH_STEP_M,
     )  # fmt: skip
     place = target.s if target else plan.curve.length
-    if k >= 0:
+    if k >= 0 and has(Mechanism.FAILURE):
         x, y, _, _, s = trace[n].tolist()
         meets = Encounter(forecast.user_ids[k], snapshot.time + n * ASSESSMENT_STEP_S, s + limits.front_overhang, x, y)
         return Assessment(Outcome.FAILURE, late, place, meets)

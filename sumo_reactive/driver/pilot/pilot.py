@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import NamedTuple
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.assessment import Assessment
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
@@ -159,7 +160,8 @@ def _assess(
 
 def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     """Return both with room kept behind somebody who has halted."""
-    room = None if situation.memory.overtaking is not None else room_behind(situation)
+    keeps_room = situation.memory.overtaking is None and has(Mechanism.ESCAPE)
+    room = room_behind(situation) if keeps_room else None
     if room is None or (situation.stop is not None and situation.stop.s <= room.s):
         return situation, rules
     return situation._replace(stop=room), rules._replace(stops=(*rules.stops, (room, decision_of(room))))
@@ -244,7 +246,7 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
 
 def _escaping(situation: Situation, orders: Orders) -> Orders:
     """Return the orders with a way out of a local minimum, if the ego is in one."""
-    way, memory = escape(situation), orders.memory
+    way, memory = escape(situation) if has(Mechanism.ESCAPE) else None, orders.memory
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if way is None:
         return orders._replace(memory=memory._replace(progress_time=situation.snapshot.time)) if due else orders
@@ -287,7 +289,10 @@ def _completed(
 
 
 def _tuning(instruction: Instruction, style: Style, top_speed: float) -> Tuning:
-    tuning = (PAPER_TUNINGS if style.paper else TUNINGS)[instruction]
+    tunings = PAPER_TUNINGS if style.paper else TUNINGS
+    if not has(Mechanism.TUNING):
+        return tunings[Instruction.FOLLOW_CURVE]
+    tuning = tunings[instruction]
     return tuning if top_speed == math.inf else replace(tuning, profile=replace(tuning.profile, top_speed=top_speed))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
@@ -30,7 +31,9 @@ def adjusted(
     replanning = Replanning.NOTHING
     if any(event.kind in _LATE for event in events):
         memory = memory._replace(delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
-        if delays is Delays.SHIFT:
+        if not has(Mechanism.DELAYS):
+            pass
+        elif delays is Delays.SHIFT:
             shifted = tuple(TimeConstraint(c.s, c.time + memory.delay) for c in plan.time_constraints)
             memory = memory._replace(constraints=shifted)
         else:

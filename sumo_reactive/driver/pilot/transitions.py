@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.pilot.behaviours import cautious, crossing, normal, overtaking, stopping
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
@@ -22,6 +23,8 @@ TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
 
 def next_behaviour(situation: Situation) -> Behaviour:
     """Return the behaviour for a situation: the present one until it has ended or another one's preconditions hold."""
+    if not has(Mechanism.BEHAVIOURS):
+        return Behaviour.NORMAL
     now = situation.memory.behaviour
     if RULES[now].has_ended(situation):
         now = Behaviour.NORMAL

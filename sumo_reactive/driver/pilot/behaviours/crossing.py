@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -305,6 +306,8 @@ def exit_is_blocked(crossing: Crossing, snapshot: Snapshot, limits: VehicleLimit
     Where others may not be blocked, the ego enters only if it can clear the region without stopping in it. Nobody is in
     danger: it does not brake harder than planned for it.
     """
+    if not has(Mechanism.ROOM_BEHIND):
+        return ""
     crossed = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING]
     if not crossed or not crossing.connection.keep_clear or snapshot.front > crossing.passage.start:
         return ""
