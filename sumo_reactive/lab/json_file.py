@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of
@@ -18,7 +18,13 @@ MOST_BYTES = 2**28
 LARGEST = 1e12
 """No number of a record is larger, whatever its unit."""
 
-Number = Annotated[int | float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
+
+def _whole(value: float) -> float:
+    return int(value) if value.is_integer() else value
+
+
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False), AfterValidator(_whole)]
+"""A number of a record; a whole one stays whole, as counts are."""
 
 
 class Keys(BaseModel):
