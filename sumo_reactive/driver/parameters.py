@@ -220,6 +220,12 @@ STANDING_SPEED = 0.1
 STOP_REACHED_M = 2.0
 """A stop counts as reached when the ego stands this close before it."""
 
+YELLOW_S = 3.0
+"""The least time that a light is yellow (StVO, at 50 km/h); SUMO's programs have no less unless the user says so."""
+
+RED_MARGIN_S = 0.5
+"""A line is passed at yellow, by who brakes for something behind it, so long before red."""
+
 YELLOW_DECELERATION = 3.0
 """m/s²; a yellow is obeyed where this braking suffices (design value of yellow times: 3.0–3.4 m/s²)."""
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from kinds import ARMS, car, cross, driven, node, program, standing, stream
+from kinds import ARMS, Net, car, cross, driven, edge, link, node, program, standing, stream
 
 LIGHTS = cross("traffic_light")
 """Letters: n, e, s, w; of each: right, straight on, left."""
@@ -106,3 +106,15 @@ def test_nobody_stands_in_the_junction_at_green_when_the_exit_is_blocked(tmp_pat
     run = driven(tmp_path, LIGHTS, car("ego", "wc ce", 1), blocked, stream("n", "nc cs", [8, 10, 12]), extra=light)
     assert run.complaints() == []
     assert run.ego.stands_in(CENTRE - 3.2, CENTRE + 3.2) == []
+
+
+@pytest.mark.parametrize("green", [8.4, 8.6, 8.8, 9.0, 9.2])
+def test_a_second_line_close_behind_that_turns_yellow_too_leads_nobody_over_red_at_the_first(tmp_path, green):
+    """Who goes on at a yellow and brakes for the next line would come over the first one when it is red."""
+    nodes = node("a", 0, 0) + "".join(node(name, x, 0, type="traffic_light", tl="l") for name, x in (("b", 200), ("c", 220)))
+    sides = "".join(node(name, x, y) for name, x, y in (("m", 200, -80), ("n", 200, 80), ("o", 220, -80), ("p", 220, 80)))
+    ways = "".join(edge(ends, speed=16.7) for ends in ("ab", "bc", "cd", "mb", "bn", "oc", "cp"))
+    net = Net(nodes + node("d", 400, 0) + sides, ways, link("ab bc") + link("mb bn") + link("bc cd") + link("oc cp"))
+    light = program("l", (green, "GGGG"), (3, "yyyy"), (15, "rrrr"), (60, "GGGG"))
+    run = driven(tmp_path, net, car("ego", "ab bc cd"), until=90, extra=light)
+    assert run.complaints() == []

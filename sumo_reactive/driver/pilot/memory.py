@@ -56,7 +56,8 @@ class PilotMemory(NamedTuple):
     place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
     to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
     since when (s). `move`: which of the
-    plan's turns in several moves is under way, and which of its moves (None: none is).
+    plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
+    light is yellow, each since when (s).
     """
 
     standing_since: float | None = None
@@ -75,6 +76,7 @@ class PilotMemory(NamedTuple):
     waiting_since: float | None = None
     released: tuple[str, float] = ("", 0.0)
     move: tuple[int, int] | None = None
+    yellows: tuple[tuple[str, float], ...] = ()
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
@@ -9,8 +11,10 @@ from sumo_reactive.driver.parameters import (
     CAUTIOUS_AHEAD_S,
     HARD_STOP_MARGIN_M,
     PLANNED_DECELERATION,
+    RED_MARGIN_S,
     STANDING_SPEED,
     STOP_REACHED_M,
+    YELLOW_S,
 )
 from sumo_reactive.driver.pilot.lights import Signal, has_passed, letter_of, signal
 from sumo_reactive.driver.pilot.memory import PilotMemory
@@ -35,6 +39,9 @@ def stop_at_line(
     letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
     to_stop = to_line - HARD_STOP_MARGIN_M if letter in "yY" else to_line
     asked = signal(letter, to_stop, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
+    memory, since = _yellow_since(connection.id, letter, snapshot.time, memory)
+    if asked is Signal.GO_ON_YELLOW and since is not None and _comes_too_late(way, snapshot, limits, since + YELLOW_S):
+        asked = Signal.STOP_ON_YELLOW
     if asked in _REASONS:
         return StopAt(place, _REASONS[asked], cause=light), None, memory
     if asked is Signal.GO_ON_YELLOW:
@@ -47,6 +54,28 @@ def stop_at_line(
     if snapshot.ego.speed < STANDING_SPEED and place - snapshot.front < STOP_REACHED_M:
         return None, None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
     return StopAt(place, Reason.STOP_SIGN), None, memory
+
+
+def _yellow_since(name: str, letter: str, time: float, memory: PilotMemory) -> tuple[PilotMemory, float | None]:
+    """Return since when a connection's light is yellow, s (None: it is not), and the memory of it."""
+    others = tuple(one for one in memory.yellows if one[0] != name)
+    if letter not in ("y", "Y"):
+        return (memory._replace(yellows=others) if len(others) < len(memory.yellows) else memory), None
+    since = dict(memory.yellows).get(name, time)
+    return memory._replace(yellows=(*others, (name, since))), since
+
+
+def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, red: float) -> bool:
+    """Whether the ego, since it means to stop behind the line (at a second line, or a queue), passes it hardly before `red`
+    (s) or later, and can still stop there by braking harder than for any yellow."""
+    speed, to_line = snapshot.ego.speed, way.passage.start - snapshot.front
+    if way.stop == math.inf or speed * speed > 2.0 * limits.service_deceleration * max(to_line - HARD_STOP_MARGIN_M, 0.0):
+        return False
+    to_stop = max(way.stop - snapshot.front, to_line)
+    braking_way = min(speed * speed / (2.0 * limits.comfort_deceleration), to_stop)
+    before, rate = to_stop - braking_way, speed * speed / (2.0 * braking_way)
+    lost = math.sqrt(max(speed * speed - 2.0 * rate * max(to_line - before, 0.0), 0.0))
+    return snapshot.time + min(to_line, before) / speed + (speed - lost) / rate > red - RED_MARGIN_S
 
 
 def _place(way: Crossing, snapshot: Snapshot) -> float:
