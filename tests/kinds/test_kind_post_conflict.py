@@ -70,3 +70,16 @@ def test_carriageways_with_no_room_between_are_crossed_in_one_go(tmp_path, first
     run = driven(tmp_path, _two_carriageways(), near, far, car("ego", "wc cd de", 1), until=120)
     assert run.complaints() == []
     assert run.ego.stands_in(90 - 3.0, 90 + 3.0) == []
+
+
+def _line_in_the_way() -> Net:
+    """A crossing whose southern arm is drawn so far that who waits there stands on the main road."""
+    plain = cross()
+    shape = "-5.0,-3.4 -5.0,5.0 5.0,5.0 5.0,-1.6 -1.0,-1.6"
+    return Net(plain.nodes.replace('id="c"', f'id="c" shape="{shape}"'), plain.edges, "", plain.options)
+
+
+def test_who_waits_with_its_nose_in_the_way_goes_first_since_else_both_would_wait(tmp_path):
+    before = stream("e", "wc ce", [0, 1.8])
+    run = driven(tmp_path, _line_in_the_way(), before, car("x", "sc cn", 1.0), car("ego", "wc ce", 4.5), until=120)
+    assert run.complaints() == []

@@ -51,7 +51,12 @@ def taken_by(
     kept clear, it does not wait for ever, nor where nobody comes whom it would block.
     """
     clear = is_clear_at(way, conflicts, limits)
-    if clear is None or not _may_wait(way, snapshot):
+    if not _may_wait(way, snapshot):
+        return ""
+    nose = _nose_in_the_way(way, conflicts, snapshot)
+    if nose and _waited(way, snapshot, memory) < QUEUE_PATIENCE_S:
+        return nose
+    if clear is None:
         return ""
     if not way.connection.keep_clear and _waited(way, snapshot, memory) > _patience(way, snapshot):
         return ""
@@ -60,6 +65,15 @@ def taken_by(
     time = travel_time(behind - snapshot.front, snapshot.ego.speed, acceleration, way.pace)
     along = [o for o in snapshot.on_path if o.start > snapshot.front and abs(o.across) <= max(o.along, 1.0)]
     return _too_near(along, time, (way.passage.start, behind))
+
+
+def _nose_in_the_way(way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot) -> str:
+    """Return who waits for the ego where its body is in the ego's way (empty: nobody), since the map draws its line there:
+    he goes if the ego does not, and else both wait for each other."""
+    waiting = {foe.user.id for foe in snapshot.foes if foe.passage == way.number and foe.user.speed < STANDING_SPEED}
+    end = max((way.at(c.region.own.end) for c in conflicts), default=-math.inf)
+    met = (o for o in snapshot.on_path if way.passage.start < o.start < end and not o.user.is_halted)
+    return next((o.user.id for o in met if o.user.id in waiting), "")
 
 
 def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, float]) -> str:
