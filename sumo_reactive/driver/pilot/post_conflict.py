@@ -51,12 +51,11 @@ def taken_by(
     kept clear, it does not wait for ever, nor where nobody comes whom it would block.
     """
     clear = is_clear_at(way, conflicts, limits)
-    if not _may_wait(way, snapshot):
-        return ""
-    nose = _nose_in_the_way(way, conflicts, snapshot)
-    if nose and _waited(way, snapshot, memory) < QUEUE_PATIENCE_S:
-        return nose
-    if clear is None:
+    if _may_wait(way, snapshot, limits.service_deceleration) and _waited(way, snapshot, memory) < QUEUE_PATIENCE_S:
+        nose = _nose_in_the_way(way, conflicts, snapshot)  # the ego has to brake for that body anyway
+        if nose:
+            return nose
+    if clear is None or not _may_wait(way, snapshot):
         return ""
     if not way.connection.keep_clear and _waited(way, snapshot, memory) > _patience(way, snapshot):
         return ""
@@ -70,7 +69,8 @@ def taken_by(
 def _nose_in_the_way(way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot) -> str:
     """Return who waits for the ego where its body is in the ego's way (empty: nobody), since the map draws its line there:
     he goes if the ego does not, and else both wait for each other."""
-    waiting = {foe.user.id for foe in snapshot.foes if foe.passage == way.number and foe.user.speed < STANDING_SPEED}
+    foes = (foe for foe in snapshot.foes if foe.passage == way.number and foe.to_stop_line >= 0.0)
+    waiting = {foe.user.id for foe in foes if foe.user.speed < QUEUED_SPEED}
     end = max((way.at(c.region.own.end) for c in conflicts), default=-math.inf)
     met = (o for o in snapshot.on_path if way.passage.start < o.start < end and not o.user.is_halted)
     return next((o.user.id for o in met if o.user.id in waiting), "")
@@ -99,10 +99,10 @@ def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, flo
     return ""
 
 
-def _may_wait(way: Crossing, snapshot: Snapshot) -> bool:
-    """Whether planned braking still stops the ego before the junction."""
+def _may_wait(way: Crossing, snapshot: Snapshot, braking: float = PLANNED_DECELERATION) -> bool:
+    """Whether planned `braking` (m/s²) still stops the ego before the junction."""
     room = way.line - HARD_STOP_MARGIN_M - snapshot.front
-    return snapshot.front <= way.passage.start and snapshot.ego.speed**2 <= 2.0 * PLANNED_DECELERATION * max(room, 0.0)
+    return snapshot.front <= way.passage.start and snapshot.ego.speed**2 <= 2.0 * braking * max(room, 0.0)
 
 
 def _waited(way: Crossing, snapshot: Snapshot, memory: PilotMemory) -> float:
