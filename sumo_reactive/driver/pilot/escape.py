@@ -97,7 +97,7 @@ def _is_too_near(situation: Situation, x: PathObstacle) -> bool:
 def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
     """Whether the ego's rear would come to stand inside an intersection that it has passed."""
     rear, front = x.start - HALTED_ROOM_M - situation.limits.length, situation.snapshot.front
-    return any(way.passage.start < front and rear < way.passage.end for way in situation.ways)
+    return any(passage.start < front and rear < passage.end for passage in situation.plan.passages)
 
 
 def _is_free_behind(situation: Situation, way: float) -> bool:

@@ -10,6 +10,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, 
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED
+from sumo_reactive.driver.pilot import post_conflict
 from sumo_reactive.driver.pilot.behaviours import cautious, crossing, stopping
 from sumo_reactive.driver.pilot.lane_changing import LaneChanging
 from sumo_reactive.driver.pilot.memory import PilotMemory
@@ -50,19 +51,24 @@ def ask(
 ) -> tuple[Rules, PilotMemory]:
     """Ask for scheduled stops, lane changes, and for each passage: its line, its regions, the room behind them.
 
-    The farthest passage is asked first: who means to stop behind a region, there or behind a queue, leaves it later.
+    The farthest passage is asked first: who means to stop behind a region, there or behind a queue, leaves it later, and
+    who would stop so near behind that it stands in one waits before it.
     """
     scheduled, memory = stopping.serve(snapshot, plan, memory)
-    stops = [(stop, decision_of(stop)) for stop in (scheduled, changing.stop) if stop is not None]
+    met = [(way, conflicts) for way, (_, _, conflicts) in zip(ways, ahead, strict=True)]
+    change = post_conflict.clear_of(changing.stop, met, plan, snapshot.front, limits)
+    stops = [(stop, decision_of(stop)) for stop in (scheduled, change) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
     foes = crossing.without_queues(snapshot.foes)
     found: list[Rules] = []
-    shown = next((way.number for way, (_, _, conflicts) in zip(ways, ahead, strict=True) if conflicts), None)
-    for way, (_, _, conflicts) in zip(reversed(ways), reversed(ahead), strict=True):
+    shown = next((way.number for way, conflicts in met if conflicts), None)
+    for way, conflicts in reversed(met):
         places = [*queue, *(stop.s for stop, _ in stops)]
         behind = min((place for place in places if place > way.passage.end), default=math.inf)
         way = way._replace(stop=behind)
         rules, memory = _passage(way, conflicts, foes, snapshot, memory, limits, is_shown=way.number == shown)
+        before = post_conflict.wait_before(way, conflicts, (stop for stop, _ in stops), snapshot, memory, limits)
+        stops.extend([] if before is None else [(before, decision_of(before))])
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
     passes = tuple(decision for rules in found for decision in rules.passes)
@@ -91,7 +97,7 @@ def _passage(
         if place is not None
     ]
     stops.extend([min(waits, key=lambda wait: wait[0].s)] if waits else [])
-    blocker = crossing.exit_is_blocked(way, snapshot, limits, conflicts)
+    blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits)
     if blocker:
         stop = StopAt(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
         stops.append((stop, decision_of(stop)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -16,13 +15,11 @@ from sumo_reactive.driver.parameters import (
     ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
-    HARD_STOP_MARGIN_M,
     HESITATING_SPEED,
     HESITATION_S,
     LEAST_PATIENCE_S,
     MAX_ACCELERATION_IN_PLAN,
     OFF_THE_LINE_M,
-    PLANNED_DECELERATION,
     REGION_MARGIN_M,
     SIGN_STOP_DECELERATION,
     STANDING_SPEED,
@@ -298,30 +295,6 @@ def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, l
     if snapshot.front > crossing.passage.start:
         places.append(crossing.at(conflict.region.own.start) - REGION_MARGIN_M)
     return next((place for place in places if place >= stops), None)
-
-
-def exit_is_blocked(crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits, conflicts: tuple[Conflict, ...]) -> str:
-    """Return who leaves no room behind the last region to be crossed (empty: nobody): the post-conflict region.
-
-    Where others may not be blocked, the ego enters only if it can clear the region without stopping in it. Nobody is in
-    danger: it does not brake harder than planned for it.
-    """
-    if not has(Mechanism.ROOM_BEHIND):
-        return ""
-    crossed = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING]
-    if not crossed or not crossing.connection.keep_clear or snapshot.front > crossing.passage.start:
-        return ""
-    room = crossing.line - HARD_STOP_MARGIN_M - snapshot.front
-    if snapshot.ego.speed**2 > 2.0 * PLANNED_DECELERATION * max(room, 0.0):
-        return ""
-    behind = crossing.at(max(crossed)) + limits.length + limits.standstill_gap
-    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
-    time = travel_time(behind - snapshot.front, snapshot.ego.speed, acceleration, crossing.pace)
-    for obstacle in snapshot.on_path:
-        rear = obstacle.start + max(obstacle.along, 0.0) * time
-        if obstacle.start > crossing.passage.start and abs(obstacle.across) <= max(obstacle.along, 1.0) and rear < behind:
-            return obstacle.user.id
-    return ""
 
 
 def line_is_passed(situation: Situation) -> bool:

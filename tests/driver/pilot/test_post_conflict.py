@@ -1,0 +1,38 @@
+"""The room behind an intersection: a stop so near behind it that the ego would stand in a region is made before its line."""
+
+import pytest
+from helpers.situations import before
+
+from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.pilot.post_conflict import is_clear_at, wait_before
+
+NORTH = ("from_south", "to_north")
+
+
+def moved(away: float, speed: float, behind: float, reason: Reason) -> float | None:
+    """Return how far from its line the ego stops (m) that meant to stop `behind` m behind the place where it is clear."""
+    ego = before("four_way_priority", NORTH, away, speed)
+    situation = ego.considered()
+    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    clear = is_clear_at(way, conflicts, situation.limits)
+    assert clear is not None
+    stop = StopAt(clear + behind, reason)
+    found = wait_before(way, conflicts, (stop,), situation.snapshot, situation.memory, situation.limits)
+    return None if found is None else found.s - ego.line
+
+
+@pytest.mark.parametrize("reason", [Reason.NO_GAP, Reason.RED_LIGHT, Reason.YIELD_TO])
+def test_whoever_would_stand_in_the_junction_waits_before_its_line(reason):
+    assert moved(20.0, 5.0, -1.0, reason) == pytest.approx(0.0)
+
+
+def test_who_stands_clear_of_every_region_waits_there():
+    assert moved(20.0, 5.0, 0.5, Reason.NO_GAP) is None
+
+
+def test_a_stop_of_the_route_is_made_where_the_route_says():
+    assert moved(20.0, 5.0, -1.0, Reason.SCHEDULED_STOP) is None
+
+
+def test_who_can_no_longer_stop_before_the_line_goes_on():
+    assert moved(3.0, 8.0, -1.0, Reason.NO_GAP) is None

@@ -1,0 +1,84 @@
+"""Kinds of post-conflict regions: no room behind a junction, or too little, and whoever waits does so before it."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import Net, car, cross, driven, edge, link, node, standing, stream
+
+CENTRE = 90.0
+SIDE = stream("n", "nc cs", [9, 12, 15, 18, 21, 24])
+
+
+def three_in_a_row() -> str:
+    """Two cars before the ego and the ego, all on their way east."""
+    return "".join(car(name, "wc ce", 1.5 * k, departSpeed=8) for k, name in enumerate(("a", "b", "ego")))
+
+
+@pytest.mark.parametrize("keeps", ["true", "false"])
+@pytest.mark.parametrize("place", [19.0, 21.0, 24.0])
+def test_room_that_those_ahead_will_fill_is_no_room(tmp_path, place, keeps):
+    net = _keeping(keeps)
+    run = driven(tmp_path, net, standing("jam", "ce", "ce_0", place, 30.0), three_in_a_row(), SIDE, until=90)
+    assert run.complaints() == []
+    assert run.ego.stands_in(CENTRE - 3.2, CENTRE + 3.2) == []
+
+
+def _keeping(keeps: str) -> Net:
+    """Return a crossing on whose main road the map says whether it is to be kept clear."""
+    plain = cross()
+    return Net(plain.nodes, plain.edges, link("wc ce", keepClear=keeps), plain.options)
+
+
+def test_behind_a_junction_that_need_not_be_kept_clear_nobody_waits_for_ever(tmp_path):
+    jam = standing("jam", "ce", "ce_0", 9.0, 60.0)
+    run = driven(tmp_path, _keeping("false"), jam, car("ego", "wc ce", 1), until=120)
+    assert run.complaints() == []
+
+
+def _lanes_that_part() -> Net:
+    """A road across a side road, and short behind that two lanes that part: the left one on, the right one south."""
+    nodes = node("w", -120, 0) + node("c", 0, 0) + node("d", 30, 0) + node("e", 120, 0) + node("t", 30, -90)
+    nodes += node("n", 0, 90) + node("s", 0, -90)
+    edges = edge("wc", priority=5) + edge("cd", numLanes=2, priority=5) + edge("de", priority=5) + edge("dt", priority=5)
+    rules = link("wc cd", "00") + link("cd de", "10") + link("cd dt", "00") + link("nc cs")
+    return Net(nodes, edges + edge("nc", priority=1) + edge("cs", priority=1), rules)
+
+
+@pytest.mark.parametrize("waiting", [1, 2])
+def test_a_gap_on_the_lane_beside_is_not_waited_for_inside_the_junction(tmp_path, waiting):
+    jam = standing("jam", "de", "de_0", 5.0, 30.0)
+    queue = "".join(car(f"b{k}", "cd de", departLane=1, departPos=20.5 - 7.2 * k, departSpeed=0) for k in range(waiting))
+    side = stream("n", "nc cs", [8, 12, 16, 20, 24, 28, 32])
+    run = driven(tmp_path, _lanes_that_part(), jam, queue, side, car("ego", "wc cd de", 2.0), until=120)
+    assert run.complaints() == []
+    assert run.ego.stands_in(120 - 3.2, 120 + 3.2) == []
+
+
+def _two_carriageways() -> Net:
+    """A minor road across two one-way carriageways with no room between them."""
+    nodes = node("w", -90, 0) + node("c", 0, 0) + node("d", 10, 0) + node("e", 100, 0)
+    nodes += node("n", 0, 90) + node("s", 0, -90) + node("u", 10, -90) + node("o", 10, 90)
+    minor = edge("wc", priority=1) + edge("cd", priority=1) + edge("de", priority=1)
+    return Net(nodes, minor + "".join(edge(ends, priority=9) for ends in ("nc", "cs", "ud", "do")))
+
+
+@pytest.mark.parametrize("first", [7.0, 8.0, 9.0])
+def test_carriageways_with_no_room_between_are_crossed_in_one_go(tmp_path, first):
+    near = stream("n", "nc cs", [first + 9.0 * k for k in range(4)])
+    far = stream("u", "ud do", [2.2 * k for k in range(12)])
+    run = driven(tmp_path, _two_carriageways(), near, far, car("ego", "wc cd de", 1), until=120)
+    assert run.complaints() == []
+    assert run.ego.stands_in(90 - 3.0, 90 + 3.0) == []
+
+
+def _line_in_the_way() -> Net:
+    """A crossing whose southern arm is drawn so far that who waits there stands on the main road."""
+    plain = cross()
+    shape = "-5.0,-3.4 -5.0,5.0 5.0,5.0 5.0,-1.6 -1.0,-1.6"
+    return Net(plain.nodes.replace('id="c"', f'id="c" shape="{shape}"'), plain.edges, "", plain.options)
+
+
+def test_who_waits_with_its_nose_in_the_way_goes_first_since_else_both_would_wait(tmp_path):
+    before = stream("e", "wc ce", [0, 1.8])
+    run = driven(tmp_path, _line_in_the_way(), before, car("x", "sc cn", 1.0), car("ego", "wc ce", 4.5), until=120)
+    assert run.complaints(slower=1.6) == []
