@@ -17,7 +17,7 @@ def compared(tmp_path_factory):
 def test_a_scenario_is_driven_with_both_profiles_and_told_in_a_table(compared):
     answer, _ = compared
     assert answer.returncode == 0, answer.stderr
-    assert answer.stdout.startswith("default: 81 commands, δt = 0.1 s, exact distances; paper: 9 commands, δt = 0.5 s")
+    assert answer.stdout.startswith("default: 42 commands, δt = 0.1 s, exact distances; paper: 9 commands, δt = 0.5 s")
     head, _, row = (line for line in answer.stdout.splitlines()[2:5])
     titles = [METRICS[key].title for key in ("rms_jerk_m_s3", "max_braking_m_s2", "duration_s", "emergencies")]
     assert all(f"| {title} |" in head for title in titles)
