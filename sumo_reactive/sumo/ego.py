@@ -44,10 +44,6 @@ _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
 
 
-_SAME_METRES = 0.1
-"""Share by which a lane's declared length may differ from its drawn one without another speed being announced there."""
-
-
 def give_back(vehicle_id: str) -> None:
     """Leave a vehicle to SUMO's own driver."""
     libsumo.vehicle.setSpeed(vehicle_id, -1.0)
@@ -75,7 +71,6 @@ class Ego:
         self._brakes_hard = False
         self._asks = False
         self._leaves_by: Lane | None = None
-        self._scale = 1.0
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
     def take_over(self, step_length: float) -> VehicleState:
@@ -104,9 +99,10 @@ class Ego:
         there within the lane; any other as it is.
 
         While the rear would be before the start of the lane, SUMO shows an angle up to 70° off. Its speed there is in the
-        lane's own metres; from here on it is that over ground.
+        lane's own metres; from here on it is that over ground, also where it is announced: else the others would see the ego
+        brake or speed up at once from lane to lane.
         """
-        self._scale, state = _announced_scale(lane), replace(state, speed=state.speed * lane.scale)
+        state = replace(state, speed=state.speed * lane.scale)
         front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
         if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
             return state
@@ -130,13 +126,12 @@ class Ego:
         swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
         """
         self._unmapped |= overlooked
-        if lane is not None:
-            self._scale = _announced_scale(lane)
-            self._leaves_by = self._leaves_by if lane.is_internal else lane
+        if lane is not None and not lane.is_internal:
+            self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
         self._keep_in_order()
         self._keep_connected(x, y)
-        libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration) / self._scale)
+        libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
         self._warn_of_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
@@ -238,7 +233,7 @@ class Ego:
             raise SimulationError(f"SUMO has taken ego '{self.id}' off the road: {error}") from error
         if math.hypot(px - x, py - y) > 0.01:
             raise SimulationError(f"SUMO moved ego '{self.id}' to ({px:.2f}, {py:.2f}) instead of ({x:.2f}, {y:.2f})")
-        if float(libsumo.vehicle.getSpeed(self.id)) * self._scale < state.speed - STANDING_SPEED:
+        if float(libsumo.vehicle.getSpeed(self.id)) < state.speed - STANDING_SPEED:
             self._keep_speed(state)
         lane_id = str(libsumo.vehicle.getLaneID(self.id))
         if not lane_id:
@@ -251,7 +246,7 @@ class Ego:
     def _keep_speed(self, state: VehicleState) -> None:
         """Have the others see the ego's speed where SUMO has stopped it for a step: it finds no way on from the end of the
         lane that it has the ego on, though the ego is past it. Whoever follows would brake as for a standing car."""
-        libsumo.vehicle.setPreviousSpeed(self.id, state.speed / self._scale, state.acceleration)
+        libsumo.vehicle.setPreviousSpeed(self.id, state.speed, state.acceleration)
 
     def reroute(self, route: Route) -> None:
         """Take another route, which begins on the edge that the ego is on, and tell SUMO."""
@@ -297,12 +292,6 @@ class Ego:
         if position is not None and position < 0.0:  # counted from the end of the lane
             position = max(0.0, position + float(libsumo.lane.getLength(f"{edges[-1]}_0")))
         return Route(edges, position, lane, tuple(_stop(s) for s in libsumo.vehicle.getStops(self.id) if s.lane))
-
-
-def _announced_scale(lane: Lane) -> float:
-    """Return ground metres per metre that SUMO counts on a lane, 1 where they are about the same: else the others would see
-    the ego brake or speed up at once from lane to lane."""
-    return lane.scale if abs(lane.scale - 1.0) > _SAME_METRES else 1.0
 
 
 def _stop(data: object) -> ScheduledStop:

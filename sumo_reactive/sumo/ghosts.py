@@ -60,8 +60,8 @@ class Ghosts:
         angle = angle_of(lane.spine.heading_at(s))
         try:
             if not self._ghost:
-                self._create(lane, s / lane.scale, speed / lane.scale, edges)
-            libsumo.vehicle.setSpeed(self._ghost, speed / lane.scale)
+                self._create(lane, s / lane.scale, speed, edges)
+            libsumo.vehicle.setSpeed(self._ghost, speed)
             libsumo.vehicle.moveToXY(self._ghost, "", -1, gx, gy, angle, KEEP_ROUTE_EXACT)
         except libsumo.TraCIException:  # taken off the road: the next step makes another; or its class may not be there
             self._ghost = ""
