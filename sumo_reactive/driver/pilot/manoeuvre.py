@@ -92,7 +92,7 @@ def prove(
     duration = (last + 1) * ASSESSMENT_STEP_S
     if lane is not None and lane.is_oncoming and not _is_in_sight(situation, lane, until, duration):
         return Proof(None, "the oncoming lane is not in sight far enough")
-    full = _displaced(way, lateral_of(aside, plan.curve.step * np.arange(len(way.x))) - lateral, back)
+    full = displaced(way, lateral_of(aside, plan.curve.step * np.arange(len(way.x))) - lateral, back)
     trace = simulate(snapshot, full, None, _leaders(situation, x, lateral), limits, duration, headway=PASSING_HEADWAY)
     return _meeting(situation, trace, x, aside, duration, margin)
 
@@ -109,10 +109,10 @@ def _way_out(situation: Situation, x: Passed, lateral: float) -> Way:
     reach = OVERTAKING_S * (max(snapshot.ego.speed, plan.road_speed(snapshot.s)) + SLOWER_BY)
     whole, samples = _along(plan, snapshot.s + reach)
     if plan.aside is not None:
-        return _displaced(whole, lateral - lateral_of(plan.aside, samples), plan.aside.back)
+        return displaced(whole, lateral - lateral_of(plan.aside, samples), plan.aside.back)
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
     t = np.clip((samples - snapshot.s) / out, 0.0, 1.0)
-    return _displaced(whole, lateral * eased(t), snapshot.s)
+    return displaced(whole, lateral * eased(t), snapshot.s)
 
 
 def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
@@ -123,9 +123,11 @@ def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
     return Way(curve.x[:n], curve.y[:n], curve.heading[:n], plan.speed_limits[:n], curve.step), samples
 
 
-def _displaced(way: Way, lateral: Array, start: float) -> Way:
-    """Return `way` moved to its left by `lateral` (n,), m, from arc length `start` on."""
+def displaced(way: Way, lateral: Array, start: float) -> Way:
+    """Return `way` moved to its left by `lateral` (n,), m, from arc length `start` on; as it is, if it ends before."""
     first = max(int(start / way.step) - 1, 0)
+    if first > len(way.x) - 2:
+        return way
     line = moved_aside(np.column_stack([way.x, way.y])[first:], lateral[first:])
     along = np.gradient(line, axis=0)
     heading = way.heading.copy()
@@ -200,7 +202,7 @@ def in_the_way_back(situation: Situation, way: Aside) -> str:
     length = side_step_length(abs(way.lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
     now = Aside(way.user_id, way.lateral, snapshot.s, snapshot.s + length)
     whole, samples = _along(plan, now.until + FIND_REACH_M)
-    returning = _displaced(whole, lateral_of(now, samples) - lateral_of(way, samples), now.back)
+    returning = displaced(whole, lateral_of(now, samples) - lateral_of(way, samples), now.back)
     duration = length / max(snapshot.ego.speed, 2.0) + 2.0
     trace = simulate(snapshot, returning, None, leader_table(snapshot), limits, duration)
     x = Passed(way.user_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
