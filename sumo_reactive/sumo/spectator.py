@@ -89,16 +89,30 @@ class Spectator:
 
 
 class Bystanders:
-    """Sees who is so near to a vehicle that he might touch it, stand-ins left out; the simulation goes on unchanged."""
+    """Sees who is so near to a vehicle that he might touch it, stand-ins left out; the simulation goes on unchanged.
+
+    Roads that no junction joins lie on different levels where they cross, also in a network without heights.
+    """
 
     def __init__(self, vehicle_id: str) -> None:
         self._vehicle_id = vehicle_id
+        self._junctions: dict[str, frozenset[str]] = {}
         _subscribe(vehicle_id, BESIDE_M)
 
     def look(self) -> tuple[RoadUser, ...]:
         """Return them after a step."""
-        seen = _seen_from(self._vehicle_id).items()
-        return tuple(_user(name, values) for name, values in seen if name != self._vehicle_id and not is_ghost(name))
+        seen = _seen_from(self._vehicle_id)
+        here = self._ends_of(seen[self._vehicle_id][tc.VAR_LANE_ID]) if seen else frozenset()
+        others = (_user(name, one) for name, one in seen.items() if name != self._vehicle_id and not is_ghost(name))
+        return tuple(user for user in others if not here or not (there := self._ends_of(user.lane_id)) or here & there)
+
+    def _ends_of(self, lane_id: str) -> frozenset[str]:
+        """Return the junctions that a lane joins, one for a lane inside a junction, none where there is no lane."""
+        edge = edge_id_of(lane_id) if lane_id else ""
+        if edge and edge not in self._junctions:
+            ends = libsumo.edge.getFromJunction(edge), libsumo.edge.getToJunction(edge)
+            self._junctions[edge] = frozenset(ends)
+        return self._junctions.get(edge, frozenset())
 
     def leave(self) -> None:
         """Look no more: SUMO fails in the next step if a vehicle that is watched is taken off the road from outside."""

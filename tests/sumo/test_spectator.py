@@ -110,3 +110,19 @@ def test_who_is_on_a_bridge_above_is_not_near(tmp_path):
         libsumo.vehicle.remove("behind")
         simulated()
         assert "behind" not in libsumo.vehicle.getIDList()
+
+
+def test_roads_that_cross_without_a_junction_are_on_different_levels_in_a_flat_network_too(tmp_path):
+    places = (("w", -100, 0), ("e", 100, 0), ("s", 0, -100), ("n", 0, 100), ("f", 150, 0))
+    nodes = "".join(f'<node id="{name}" x="{x}" y="{y}"/>' for name, x, y in places)
+    edges = "".join(f'<edge id="{way}" from="{way[0]}" to="{way[1]}"/>' for way in ("we", "sn", "ef"))
+    net = converted(tmp_path, f"<nodes>{nodes}</nodes>", f"<edges>{edges}</edges>")
+    slow = TYPE.replace("sigma", 'maxSpeed="0.2" sigma')
+    seats = (("ego", "we", 100), ("above", "sn", 100), ("behind", "we", 80), ("ahead", "ef", 10))
+    cars = "".join(vehicle(name, way, type="t", departPos=at) for name, way, at in seats)
+    with running(net, tmp_path, slow + cars):
+        simulated(5)
+        bystanders = Bystanders("ego")
+        simulated()
+        assert libsumo.vehicle.getPosition("above")[1] < 10.0
+        assert {one.id for one in bystanders.look()} == {"behind"}  # who is ahead is farther away
