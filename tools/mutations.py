@@ -111,7 +111,7 @@ def report(folder: Path, room: str, found: Mapping[str, str]) -> str:
     for name in survivors:
         print(_mutmut(folder, "show", name), flush=True)
     noticed = len(found) - len(survivors)
-    return f"{room:10}{noticed} of {len(found)}: {noticed / len(found):.0%}"
+    return f"{room:14}{noticed} of {len(found)}: {noticed / len(found):.0%}"
 
 
 def main() -> int:

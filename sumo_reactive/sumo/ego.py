@@ -102,7 +102,7 @@ class Ego:
         lane's own metres; from here on it is that over ground, also where it is announced: else the others would see the ego
         brake or speed up at once from lane to lane.
         """
-        state = replace(state, speed=state.speed * lane.scale)
+        state = state if lane.scale == 1.0 else replace(state, speed=state.speed * lane.scale)
         front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
         if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
             return state

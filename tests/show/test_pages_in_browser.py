@@ -67,7 +67,7 @@ def test_the_page_of_a_run_says_nothing_on_the_console(run_opened):
 def test_the_page_of_a_run_has_its_figures(run_opened):
     assert list(run_opened.plots) == TWO_FIGURES
     assert run_opened.dom.count('<svg class="main-svg"') >= 2
-    for title in ("x (m)", "y (m)", "speed (m/s)", "distance (m)", "potential (–)", "simulation time (s)"):
+    for title in ("x (m)", "y (m)", "speed (m/s)", "way ahead (m)", "potential (–)", "simulation time (s)"):
         assert f">{title}</text>" in run_opened.dom
 
 

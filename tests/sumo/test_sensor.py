@@ -45,7 +45,7 @@ def test_a_vehicle_is_seen_where_it_is_with_its_body_and_the_way_it_goes(net, tm
         simulated(2)
         one = looked(Sensor(), lane)["a"]
         x, y = libsumo.vehicle.getPosition("a")
-        assert (one.x, one.y, one.speed) == (x, y, libsumo.vehicle.getSpeed("a"))
+        assert (one.x, one.y, one.speed) == (x, y, libsumo.vehicle.getSpeed("a") * lane.scale)
         assert one.heading == pytest.approx(0.0)
         assert (one.lane_id, one.lane_position) == ("wc_1", 2.0 * libsumo.vehicle.getLanePosition("a"))
         assert (one.body.length, one.body.width, one.body.emergency_deceleration, one.body.max_speed) == (

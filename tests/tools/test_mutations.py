@@ -51,20 +51,20 @@ def _load() -> ModuleType:
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A project with one room of three functions, one of them without a test."""
-    for folder in ("sumo_reactive", "sumo_reactive/pilot", "tests/pilot"):
+    for folder in ("sumo_reactive/driver/pilot", "tests/driver/pilot"):
         (tmp_path / folder).mkdir(parents=True)
-    for folder in ("sumo_reactive", "sumo_reactive/pilot"):
+    for folder in ("sumo_reactive", "sumo_reactive/driver", "sumo_reactive/driver/pilot"):
         (tmp_path / folder / "__init__.py").touch()
-    (tmp_path / "sumo_reactive" / "compilation.py").write_text(COMPILATION, encoding="utf-8")
-    (tmp_path / "sumo_reactive" / "pilot" / "maths.py").write_text(SOURCE, encoding="utf-8")
-    (tmp_path / "tests" / "pilot" / "test_maths.py").write_text(TESTS, encoding="utf-8")
+    (tmp_path / "sumo_reactive" / "driver" / "compilation.py").write_text(COMPILATION, encoding="utf-8")
+    (tmp_path / "sumo_reactive" / "driver" / "pilot" / "maths.py").write_text(SOURCE, encoding="utf-8")
+    (tmp_path / "tests" / "driver" / "pilot" / "test_maths.py").write_text(TESTS, encoding="utf-8")
     return tmp_path
 
 
 def test_what_the_tests_of_a_room_do_not_notice_is_shown_and_counted(project: Path) -> None:
     """Of a > b nobody notices that it is a >= b: the numbers are the same. A sum for the difference is noticed."""
     before = sorted(path.name for path in project.rglob("*"))
-    command = [sys.executable, str(TOOL), "--root", str(project), "--room", "pilot", "--count", "100"]
+    command = [sys.executable, str(TOOL), "--root", str(project), "--room", "driver/pilot", "--count", "100"]
     answer = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=240, check=False)
     assert (answer.returncode, answer.stderr) == (0, "")
     shown = answer.stdout.splitlines()
@@ -72,7 +72,7 @@ def test_what_the_tests_of_a_room_do_not_notice_is_shown_and_counted(project: Pa
     assert "+    return a - 1" in shown and "+    return a + 2" in shown
     survivors = [line.rpartition(": ")[2] for line in shown if line.startswith("# sumo_reactive.driver.pilot.maths.")]
     assert sorted(survivors) == ["no tests", "no tests", "survived"]
-    score = re.fullmatch(r"pilot +(\d+) of (\d+): (\d+)%", shown[-1])
+    score = re.fullmatch(r"driver/pilot +(\d+) of (\d+): (\d+)%", shown[-1])
     assert score is not None
     noticed, of_all, share = (int(number) for number in score.groups())
     assert noticed == of_all - len(survivors) > 0 and share == round(100 * noticed / of_all)
@@ -80,9 +80,9 @@ def test_what_the_tests_of_a_room_do_not_notice_is_shown_and_counted(project: Pa
 
 
 def test_a_project_whose_tests_fail_is_told(project: Path) -> None:
-    tests = project / "tests" / "pilot" / "test_maths.py"
+    tests = project / "tests" / "driver" / "pilot" / "test_maths.py"
     tests.write_text(TESTS.replace("[2, 2, 2]", "[1, 2, 2]"), encoding="utf-8")
-    command = [sys.executable, str(TOOL), "--root", str(project), "--room", "pilot"]
+    command = [sys.executable, str(TOOL), "--root", str(project), "--room", "driver/pilot"]
     answer = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=240, check=False)
     assert (answer.returncode, answer.stdout) == (1, "")
     assert answer.stderr.startswith("mutmut run failed:")

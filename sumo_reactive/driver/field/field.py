@@ -130,7 +130,8 @@ def expand(
         for i in range(len(accelerations)):
             v = min(max(0.0, state[3] + accelerations[i] * period), max(limits[4], state[3]))
             stops = v * period + v * v / (2.0 * limits[7]) <= room or v == 0.0
-            allowed = within and abs(v * v * turn / limits[0]) <= max(limits[6], limits[8])
+            lateral = max(v, state[3]) * v * turn / limits[0]  # braking, it is faster at first than in the end
+            allowed = within and abs(lateral) <= max(limits[6], limits[8])
             q = out[i * len(rates) + j]
             q[0], q[1], q[2], q[3] = v, angle, 1.0 if allowed else 0.0, 1.0 if stops else 0.0
 

@@ -106,7 +106,7 @@ def told(path: Path) -> Iterator[None]:
     except InputError as error:
         raise StoreError(str(error)) from error
     except (duckdb.Error, OSError, MemoryError, OverflowError, ValueError) as error:
-        raise StoreError(f"{path}: {_line_of(str(error))}") from error
+        raise StoreError(f"{path}: {_line_of(str(error).replace(str(path), path.name))}") from error
 
 
 def _line_of(message: str) -> str:

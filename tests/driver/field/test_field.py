@@ -8,8 +8,8 @@ import pytest
 from helpers.cars import CAR, car_at
 from helpers.curves import asked, on_curve, plan_along, seen, straight
 
-from sumo_reactive.driver.field.command_grid import gentlest_brake, steering_rate_limit, wide_grid
-from sumo_reactive.driver.field.executor import execute, steering_rate_of_curve
+from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, steering_rate_limit, wide_grid
+from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.field.field import expand, mapped_valley, ramped, valley_at
 from sumo_reactive.driver.nouns.completed_plan import Tuning
 from sumo_reactive.driver.nouns.decision import Reason, StopAt
@@ -20,7 +20,6 @@ from sumo_reactive.driver.parameters import (
     LOOK_AHEAD_S,
     MAX_LATERAL_JERK,
     MIN_LOOK_AHEAD_M,
-    STEERING_GAIN,
     VALLEY_ATTRACTION,
     VALLEY_REPULSION,
 )
@@ -144,17 +143,6 @@ def test_a_car_that_stands_needs_no_room():
     assert expanded(0.0, 0.0, -1.0, 0.0, room=-1.0)[3] == 1.0
 
 
-def test_steering_follows_the_curve_and_comes_back_to_it():
-    state = replace(on_curve(ROAD.curve, 50.0, 9.0), steering_angle=0.02)
-    straight_on = seen(state, ROAD, 49.0)
-    assert steering_rate_of_curve(straight_on, asked(ROAD), CAR, 0.1) == pytest.approx(
-        (-0.5 * 9.0 * math.sin(0.02) / L * 0.1 - 0.02) / 0.1
-    )
-    beside = seen(VehicleState(Pose(40.0, 0.5, 0.0), 9.0, 0.0), ROAD, 42.0)
-    expected = -math.atan2(STEERING_GAIN * beside.d, 10.0) / 0.1
-    assert steering_rate_of_curve(beside, asked(ROAD), CAR, 0.1) == pytest.approx(expected)
-
-
 def test_the_steering_rate_falls_with_the_square_of_the_speed():
     assert steering_rate_limit(CAR, 0.0) == CAR.max_steering_rate
     assert steering_rate_limit(CAR, 20.0) == pytest.approx(MAX_LATERAL_JERK * L / 400.0)
@@ -172,16 +160,19 @@ def test_the_wide_grid_reaches_all_that_the_car_can_do():
     assert (len(grid.accelerations), len(grid.steering_rates)) == (9, 21)
 
 
-def test_the_wide_grid_is_taken_where_the_instruction_says_so():
-    """Beside C at low speed it steers harder than the usual grid, which lies about the rate that C asks for."""
+def test_the_wide_grid_is_taken_where_the_instruction_says_so(monkeypatch):
+    taken: list[CommandGrid] = []
+
+    def noted(limits):
+        taken.append(wide_grid(limits))
+        return taken[-1]
+
+    monkeypatch.setattr("sumo_reactive.driver.field.executor.wide_grid", noted)
     completed = asked(ROAD)
-    wide = replace(completed, tuning=Tuning(completed.tuning.weights, wide_grid=True))
     snapshot = seen(VehicleState(Pose(40.0, 0.0, 0.0), 5.0, 0.0), ROAD, 42.0)
-    rates = {float(rate) for rate in wide_grid(CAR).steering_rates}
-    accelerations = {float(one) for one in wide_grid(CAR).accelerations}
-    command = execute(snapshot, wide, CAR, 0.1).command
-    assert command.steering_rate in rates and command.acceleration in accelerations
-    assert execute(snapshot, completed, CAR, 0.1).command.acceleration not in accelerations
+    for is_wide in (False, True):
+        execute(snapshot, replace(completed, tuning=Tuning(completed.tuning.weights, wide_grid=is_wide)), CAR, 0.1)
+        assert bool(taken) is is_wide
 
 
 def test_when_no_command_is_admissible_it_brakes_as_hard_as_it_can_along_the_curve():

@@ -144,5 +144,5 @@ def test_the_ego_does_not_back_up_into_a_junction_that_it_has_passed():
     for behind, backs_up in ((2.0, False), (9.5, True)):
         (way, *_) = before("blocked_lane", STREET, 10.0, 5.0).considered().ways
         passage = replace(way.passage, start=front - behind - 8.0, end=front - behind)
-        way_out = escape(situation._replace(ways=(way._replace(passage=passage),)))
+        way_out = escape(situation._replace(plan=replace(situation.plan, passages=(passage,))))
         assert (way_out is not None and way_out.instruction is Instruction.BACK_UP) is backs_up
