@@ -150,7 +150,7 @@ class Controller:
         if completed.request.what is Replanning.TIMES:
             stops = still_to_serve(plan, memory, snapshot.time)
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits, stops)
-            completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
+            completed, memory = completed.timed(times), memory._replace(schedule=times)
         return snapshot, completed, memory, asked
 
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:

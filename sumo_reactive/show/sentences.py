@@ -76,6 +76,10 @@ class Wording(NamedTuple):
 
 
 REASONS: dict[Reason, Wording] = {
+    Reason.ON_SCHEDULE: Wording(
+        "keeps to the times of its plan",
+        "goes on although its plan has it later",
+    ),
     Reason.RED_LIGHT: Wording(
         "stops at the line, since light {cause} is red",
         "goes on although light {cause} is red",

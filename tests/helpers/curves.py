@@ -11,8 +11,9 @@ from helpers.cars import CAR
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Tuning, Weights
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, StopAt
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -70,10 +71,11 @@ def seen(
     return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), leaders, (), (), {})
 
 
-def asked(plan: NominalPlan, stop: StopAt | None = None, weights=WEIGHTS) -> CompletedPlan:
+def asked(plan: NominalPlan, stop: TimeConstraint | None = None, weights=WEIGHTS) -> CompletedPlan:
     """Return the plan with a stop, in normal driving."""
     instruction = Instruction.FOLLOW_CURVE if stop is None else Instruction.STOP
-    return CompletedPlan(plan, Behaviour.NORMAL, instruction, Tuning(weights), plan.time_constraints, stop, Intent.DRIVE, ())
+    constraints = plan.time_constraints if stop is None else (*plan.time_constraints, stop)
+    return CompletedPlan(plan, Behaviour.NORMAL, instruction, Tuning(weights), constraints, Intent.DRIVE, ())
 
 
 def driven(

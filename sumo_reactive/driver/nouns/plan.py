@@ -15,17 +15,10 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.geometry.angle import wrapped
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import eased
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import MOVE_END_M, STANDING_SPEED, WHEELS_TURNED_RAD
 from sumo_reactive.driver.world.route import ScheduledStop
-
-
-@dataclass(frozen=True, slots=True)
-class TimeConstraint:
-    """Reach arc length `s` at `time` (s of simulation time)."""
-
-    s: float
-    time: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop, TimeConstraint
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.parameters import CURVATURE_WINDOW_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 

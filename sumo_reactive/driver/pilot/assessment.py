@@ -13,9 +13,9 @@ from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
-from sumo_reactive.driver.nouns.decision import StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.forecast import Forecast
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import PathObstacle, Snapshot
 from sumo_reactive.driver.parameters import (
     ASSESSED_S,
@@ -29,6 +29,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
 
 Array = NDArray[np.float64]
+
 
 class Way(NamedTuple):
     """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s."""
@@ -108,7 +109,7 @@ def first_contact(
 def simulate(
     snapshot: Snapshot,
     way: Way,
-    stop: StopAt | None,
+    stop: TimeConstraint | None,
     leaders: Array,
     limits: VehicleLimits,
     duration: float,
@@ -143,7 +144,7 @@ def assess(
     snapshot: Snapshot,
     forecast: Forecast,
     plan: NominalPlan,
-    stop: StopAt | None,
+    stop: TimeConstraint | None,
     target: TimeConstraint | None,
     limits: VehicleLimits,
     trusted: Collection[str],

@@ -6,7 +6,8 @@ import math
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M, STANDING_SPEED
@@ -28,11 +29,11 @@ class Escape(NamedTuple):
 
     decision: Decision
     instruction: Instruction | None = None
-    stop: StopAt | None = None
+    stop: TimeConstraint | None = None
     replanning: Replanning = Replanning.NOTHING
 
 
-def room_behind(situation: Situation) -> StopAt | None:
+def room_behind(situation: Situation) -> TimeConstraint | None:
     """Return the place to stop behind somebody who has halted, far enough to swing out past him later; None: no need."""
     x, snapshot = situation.ahead_of_ego, situation.snapshot
     if x is None or not x.user.is_halted or lateral_for(situation, passed(situation, x))[0] == 0.0:
@@ -41,7 +42,7 @@ def room_behind(situation: Situation) -> StopAt | None:
     braking = snapshot.ego.speed**2 / (2.0 * situation.limits.comfort_deceleration)
     if place < snapshot.front and snapshot.ego.speed < STANDING_SPEED and not _is_too_near(situation, x):
         place = snapshot.front  # near enough to the room it needs: stay
-    return StopAt(place, Reason.BLOCKED, cause=x.user.id) if place >= snapshot.front + braking - 0.5 else None
+    return stop_at(place, Reason.BLOCKED, cause=x.user.id) if place >= snapshot.front + braking - 0.5 else None
 
 
 def escape(situation: Situation) -> Escape | None:
@@ -53,7 +54,7 @@ def escape(situation: Situation) -> Escape | None:
     x = situation.ahead_of_ego
     if x is not None and _is_too_near(situation, x):
         place = x.start - HALTED_ROOM_M
-        stop = StopAt(place, Reason.BLOCKED, cause=x.user.id)
+        stop = stop_at(place, Reason.BLOCKED, cause=x.user.id)
         return Escape(_decision(Reason.BLOCKED, x.user.id), Instruction.BACK_UP, stop)
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if not (due or situation.memory.escapes > 0) or _has_right(situation, x):

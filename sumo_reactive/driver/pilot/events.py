@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping
 
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
-from sumo_reactive.driver.nouns.decision import Instruction, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
@@ -68,7 +69,7 @@ def premises_of(
 
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
-    plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
+    plan, stop, regions = made.plan, made.stop, frozenset(foe.conflict.region.id for foe in snapshot.foes)
     stages = _stages(snapshot, plan, ahead, regions)
     is_seeking = seeks(snapshot, plan)
     near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
@@ -80,7 +81,7 @@ def premises_of(
         lights=snapshot.lights,
         speeds=_speeds(snapshot),
         heeded=rules.judged.union(obstacle.user.id for obstacle in snapshot.on_path),
-        is_threatened=made.stop is not None and _is_threat(made.stop, snapshot),
+        is_threatened=stop is not None and _is_threat(stop, snapshot),
         regions=regions,
         stages=stages,
         is_standing=snapshot.ego.speed < STANDING_SPEED,
@@ -113,19 +114,20 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list
             continue  # who did not matter does not when he slows down
         elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
-    if held.stop is not None and _is_gone(held.stop, snapshot, premises, speeds):
-        found.append(Event(EventKind.CAUSE_VANISHED, held.stop.cause))
+    stop = held.stop
+    if stop is not None and _is_gone(stop, snapshot, premises, speeds):
+        found.append(Event(EventKind.CAUSE_VANISHED, stop.cause))
     return found
 
 
-def _is_gone(stop: StopAt, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
+def _is_gone(stop: TimeConstraint, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
     """Whether the road user that the ego stops for is out of the way."""
     if stop.cause not in premises.speeds:
         return False
     return stop.cause not in speeds or (premises.is_threatened and not _is_threat(stop, snapshot))
 
 
-def _is_threat(stop: StopAt, snapshot: Snapshot) -> bool:
+def _is_threat(stop: TimeConstraint, snapshot: Snapshot) -> bool:
     """Whether the road user that the ego stops for can reach the region that it stops before."""
     return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
 
@@ -167,8 +169,8 @@ def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[
     """Return what a delay has changed: the next time constraint, and whether it has become excessive."""
     found: list[Event] = []
     front = snapshot.front
-    for target in held.time_constraints:
-        if target.s > front:
+    for target in held.constraints:
+        if target.reason is Reason.ON_SCHEDULE and target.s > front:
             if snapshot.time > target.time + TIME_TOLERANCE_S:
                 found.append(Event(EventKind.CONSTRAINT_MISSED))
             break
@@ -188,9 +190,7 @@ def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
     return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > OFF_NOMINAL_SPEED
 
 
-def _stages(
-    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]
-) -> tuple[tuple[int, ...], ...]:
+def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]) -> tuple[tuple[int, ...], ...]:
     """Return for each passage in sight the ego's stage, its index and how many of `regions` the front bumper has reached."""
     front = snapshot.front
     reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
 from sumo_reactive.driver.nouns.plan import NominalPlan, WayBeside
 from sumo_reactive.driver.nouns.snapshot import Snapshot
@@ -143,4 +144,4 @@ def _leave(snapshot: Snapshot, queue: Queue, way: WayBeside, cause: Queued, limi
     place = max(place, nearest + (_CREEPING_ROOM_M if speed > STANDING_SPEED else 0.0))
     if place == math.inf:
         return LaneChanging()
-    return LaneChanging(stop=StopAt(place, Reason.HELD_UP, way.to_lane, cause.user.id))
+    return LaneChanging(stop=stop_at(place, Reason.HELD_UP, way.to_lane, cause.user.id))

@@ -6,7 +6,8 @@ import math
 from collections.abc import Hashable
 from typing import NamedTuple
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED
@@ -20,7 +21,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 _RECORDED_S = 10.0
 """A foe whom the ego goes before or after is recorded when it comes within this time."""
 
-Wait = tuple[StopAt, Decision]
+Wait = tuple[TimeConstraint, Decision]
 """A place to stop at, and why."""
 
 
@@ -92,14 +93,14 @@ def _passage(
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
     found = list(crossing.judgements(way, foes, snapshot, memory, limits))
     waits = [
-        (StopAt(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
+        (stop_at(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
         for judgement, place in found
         if place is not None
     ]
     stops.extend([min(waits, key=lambda wait: wait[0].s)] if waits else [])
     blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits)
     if blocker:
-        stop = StopAt(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
+        stop = stop_at(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
         stops.append((stop, decision_of(stop)))
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
     states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found]) if is_shown else ()
@@ -134,12 +135,12 @@ def _own_state(way: Crossing, conflict: Conflict, snapshot: Snapshot, limits: Ve
     return RegionState(conflict.region.id, Occupancy.OWN if held else Occupancy.FREE)
 
 
-def nearest(waits: tuple[Wait, ...]) -> StopAt | None:
+def nearest(waits: tuple[Wait, ...]) -> TimeConstraint | None:
     """Return the first place to stop at."""
     return min((stop for stop, _ in waits), key=lambda stop: stop.s, default=None)
 
 
-def decision_of(stop: StopAt) -> Decision:
+def decision_of(stop: TimeConstraint) -> Decision:
     """Return the decision that a stop stands for."""
     at_location = stop.reason in (Reason.SCHEDULED_STOP, Reason.NO_GAP, Reason.HELD_UP, Reason.BLOCKED)
     behaviour = Behaviour.STOPPING if at_location else Behaviour.CAUTIOUS

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Cut, Neighbour, Snapshot
 from sumo_reactive.driver.parameters import (
@@ -41,7 +42,7 @@ class LaneChanging(NamedTuple):
     """
 
     side: int = 0
-    stop: StopAt | None = None
+    stop: TimeConstraint | None = None
     slot: str = ""
     why: Decision | None = None
     calls_off: bool = False
@@ -99,7 +100,7 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     blocker = _blocker(snapshot, limits, urgency)
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
-    stop = StopAt(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
+    stop = stop_at(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
     return LaneChanging(stop=stop, slot=_slot(snapshot))
 
 
@@ -127,9 +128,7 @@ def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> b
     return last - snapshot.front > snapshot.ego.speed**2 / (2.0 * limits.comfort_deceleration)
 
 
-def _before_cut(
-    snapshot: Snapshot, cut: Cut, plan: NominalPlan, limits: VehicleLimits, waited: float
-) -> LaneChanging:
+def _before_cut(snapshot: Snapshot, cut: Cut, plan: NominalPlan, limits: VehicleLimits, waited: float) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
     left, speed = cut.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
@@ -139,7 +138,7 @@ def _before_cut(
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
-            return LaneChanging(stop=StopAt(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
+            return LaneChanging(stop=stop_at(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
     return LaneChanging()
 
 

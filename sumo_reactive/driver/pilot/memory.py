@@ -6,8 +6,9 @@ import math
 from collections.abc import Hashable, Mapping
 from typing import NamedTuple
 
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.world.route import ScheduledStop
 
 
@@ -51,7 +52,7 @@ class PilotMemory(NamedTuple):
     """Since when the ego stands (s; None: it moves), at which connection's line it has come to a full stop and when (s),
     which scheduled stops it has served, and until when it serves the present one (s; None: it serves none).
 
-    `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `constraints` the adjusted
+    `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `schedule` the adjusted
     (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
     place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
     to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
@@ -68,7 +69,7 @@ class PilotMemory(NamedTuple):
     behaviour: Behaviour = Behaviour.NORMAL
     premises: Premises | None = None
     overtaking: Overtaking | None = None
-    constraints: tuple[TimeConstraint, ...] = ()
+    schedule: tuple[TimeConstraint, ...] = ()
     delay: float = 0.0
     progress_s: float = -math.inf
     progress_time: float = 0.0

@@ -9,10 +9,11 @@ from typing import NamedTuple
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.assessment import Assessment
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
     CAUTIOUS_AHEAD_M,
@@ -59,7 +60,7 @@ class Orders(NamedTuple):
     (m/s)."""
 
     instruction: Instruction
-    stop: StopAt | None
+    stop: TimeConstraint | None
     request: Request
     decisions: tuple[Decision, ...]
     memory: PilotMemory
@@ -118,7 +119,8 @@ def decide(
     constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
         orders = orders._replace(request=Request(asks))
-    completed = _completed(situation, behaviour, orders, constraints, rules, changing.slot, style)
+    constraints += _limits_of(orders, changing, snapshot)
+    completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
@@ -148,9 +150,7 @@ def confirm(
     return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))
 
 
-def _assess(
-    snapshot: Snapshot, plan: NominalPlan, outlook: Outlook, rules: Rules, limits: VehicleLimits
-) -> Assessment:
+def _assess(snapshot: Snapshot, plan: NominalPlan, outlook: Outlook, rules: Rules, limits: VehicleLimits) -> Assessment:
     """Simulate going on, up to the stops that nothing can put off; who yields by the rules and still can is trusted."""
     stop = nearest(tuple(one for one in rules.stops if one[0].reason in _UNCONDITIONAL))
     trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
@@ -267,19 +267,16 @@ def _completed(
     orders: Orders,
     constraints: tuple[TimeConstraint, ...],
     rules: Rules,
-    slot: str,
     style: Style,
 ) -> CompletedPlan:
     return CompletedPlan(
         plan=situation.plan,
         behaviour=behaviour,
         instruction=orders.instruction,
-        tuning=_tuning(orders.instruction, style, orders.top_speed),
-        time_constraints=constraints,
-        stop=orders.stop,
+        tuning=_tuning(orders.instruction, style),
+        constraints=constraints,
         intent=_intent(orders.stop, situation),
         decisions=orders.decisions,
-        slot=slot,
         request=orders.request,
         sight=_sight(situation, behaviour),
         assessment=situation.assessment,
@@ -288,12 +285,19 @@ def _completed(
     )
 
 
-def _tuning(instruction: Instruction, style: Style, top_speed: float) -> Tuning:
+def _limits_of(orders: Orders, changing: LaneChanging, snapshot: Snapshot) -> tuple[TimeConstraint, ...]:
+    """Return what limits the ego beside the schedule: where to stop, whom to fall in behind, how slow to fall back."""
+    found = [] if orders.stop is None else [orders.stop]
+    if changing.slot:
+        found.append(TimeConstraint(snapshot.front, reason=Reason.NO_GAP, behind=changing.slot))
+    if orders.top_speed < math.inf:
+        found.append(TimeConstraint(snapshot.front, speed=orders.top_speed, reason=Reason.GAP_LOST))
+    return tuple(found)
+
+
+def _tuning(instruction: Instruction, style: Style) -> Tuning:
     tunings = PAPER_TUNINGS if style.paper else TUNINGS
-    if not has(Mechanism.TUNING):
-        return tunings[Instruction.FOLLOW_CURVE]
-    tuning = tunings[instruction]
-    return tuning if top_speed == math.inf else replace(tuning, profile=replace(tuning.profile, top_speed=top_speed))
+    return tunings[instruction if has(Mechanism.TUNING) else Instruction.FOLLOW_CURVE]
 
 
 def _sight(situation: Situation, behaviour: Behaviour) -> float:
@@ -302,7 +306,7 @@ def _sight(situation: Situation, behaviour: Behaviour) -> float:
     return OVERTAKING_SIGHT_M if wants else 0.0
 
 
-def _intent(stop: StopAt | None, situation: Situation) -> Intent:
+def _intent(stop: TimeConstraint | None, situation: Situation) -> Intent:
     if stop is None:
         return Intent.DRIVE
     if stop.reason is Reason.WAIT_FOR_TURN and not _lets_start(stop.cause, situation):

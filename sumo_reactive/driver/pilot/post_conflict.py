@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from sumo_reactive.driver.ablation import Mechanism, has
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, PathObstacle, Snapshot
 from sumo_reactive.driver.parameters import (
@@ -123,11 +124,11 @@ def _patience(way: Crossing, snapshot: Snapshot) -> float:
 def wait_before(
     way: Crossing,
     conflicts: tuple[Conflict, ...],
-    stops: Iterable[StopAt],
+    stops: Iterable[TimeConstraint],
     snapshot: Snapshot,
     memory: PilotMemory,
     limits: VehicleLimits,
-) -> StopAt | None:
+) -> TimeConstraint | None:
     """Return the first of the `stops` behind a junction at which M would stand in a region of it, moved before its line.
 
     None: it would stand clear, can no longer stop before the line, or has waited there in vain. A stop of the route is made
@@ -142,12 +143,12 @@ def wait_before(
 
 
 def clear_of(
-    stop: StopAt | None,
+    stop: TimeConstraint | None,
     ways: Iterable[tuple[Crossing, tuple[Conflict, ...]]],
     plan: NominalPlan,
     front: float,
     limits: VehicleLimits,
-) -> StopAt | None:
+) -> TimeConstraint | None:
     """Return the stop before a change of lanes, moved on until an ego that is inside a junction already is clear of it, but
     not so far that its body crosses the line between the lanes."""
     change = None if stop is None else next((c for c in plan.lane_changes if c.end > front), None)

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.assessment import Assessment
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan
@@ -44,7 +45,7 @@ class Situation(NamedTuple):
     ahead: Ahead
     ways: tuple[Crossing, ...]
     ahead_of_ego: PathObstacle | None
-    stop: StopAt | None
+    stop: TimeConstraint | None
     assessment: Assessment
     outlook: Outlook
     proof: Proof | None = None

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED, TURNAROUND_PATIENCE_S, TURNAROUND_REACHED_M
@@ -23,7 +24,7 @@ class Turning(NamedTuple):
 
 def place_to_begin(
     snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, comes_over: str = ""
-) -> StopAt | None:
+) -> TimeConstraint | None:
     """Return where to stop for the next turn in several moves; None: there is none, or it is under way.
 
     `comes_over`: who will drive over its ground; he is let pass, unless the ego has stood there for long.
@@ -33,14 +34,14 @@ def place_to_begin(
         return None
     start = plan.turnarounds[number].start
     if comes_over and memory.standing_for(snapshot.time) < TURNAROUND_PATIENCE_S:
-        return StopAt(start, Reason.COMES_OVER, cause=comes_over)
-    return StopAt(start, Reason.NARROW_TURN)
+        return stop_at(start, Reason.COMES_OVER, cause=comes_over)
+    return stop_at(start, Reason.NARROW_TURN)
 
 
 def turn_round(
     snapshot: Snapshot,
     plan: NominalPlan,
-    stop: StopAt | None,
+    stop: TimeConstraint | None,
     memory: PilotMemory,
     *,
     comes_over: str = "",
@@ -72,7 +73,7 @@ def _next(snapshot: Snapshot, plan: NominalPlan) -> int | None:
     return next((k for k, turn in enumerate(plan.turnarounds) if snapshot.front < turn.end), None)
 
 
-def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: StopAt | None) -> bool:
+def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: TimeConstraint | None) -> bool:
     if snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
         return False
     return stop is None or stop.s > turn.end + turn.into

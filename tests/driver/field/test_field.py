@@ -12,7 +12,8 @@ from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake,
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.field.field import expand, mapped_valley, ramped, valley_at
 from sumo_reactive.driver.nouns.completed_plan import Tuning
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.parameters import (
     COMFORT_JERK,
@@ -197,6 +198,6 @@ def test_the_wheels_are_held_where_no_steering_keeps_the_limits():
 
 def test_who_stands_and_has_to_stay_chooses_nothing():
     ego = replace(on_curve(ROAD.curve, 10.0, 0.0), steering_angle=0.1, acceleration=-1.0)
-    found = execute(seen(ego, ROAD, 9.0), asked(ROAD, StopAt(10.0, Reason.RED_LIGHT)), CAR, 0.1)
+    found = execute(seen(ego, ROAD, 9.0), asked(ROAD, stop_at(10.0, Reason.RED_LIGHT)), CAR, 0.1)
     assert found.command == Command(0.0, 0.0) and found.state == replace(ego, acceleration=0.0)
     assert found.potentials == (0.0, 0.0, 0.0, 0.0)

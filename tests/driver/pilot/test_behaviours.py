@@ -5,7 +5,8 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.parameters import OFF_CURVE_EPSILON_M
 from sumo_reactive.driver.pilot.behaviours import cautious, crossing, normal, overtaking, stopping
@@ -244,7 +245,7 @@ def test_cautious_driving_ends_behind_the_line():
 def test_cautious_driving_approaches_ready_to_stop_and_stops_where_it_must():
     ego = before("four_way_priority", SOUTH_NORTH, 20.0, 8.0)
     assert cautious.RULE.instruction(ego.considered()) is Instruction.APPROACH
-    assert cautious.RULE.instruction(ego.considered(stop=StopAt(ego.line, Reason.YIELD_TO))) is Instruction.STOP
+    assert cautious.RULE.instruction(ego.considered(stop=stop_at(ego.line, Reason.YIELD_TO))) is Instruction.STOP
 
 
 # --- crossing: one vehicle at a time in a region, and room behind it --------------------------------------------------
@@ -267,7 +268,7 @@ def test_crossing_begins_behind_the_line_and_ends_behind_the_last_region():
 def test_crossing_does_not_stop_unless_it_must():
     ego = before("four_way_priority", SOUTH_NORTH, 10.0, 8.0)
     assert crossing.RULE.instruction(ego.considered()) is Instruction.CROSS
-    assert crossing.RULE.instruction(ego.considered(stop=StopAt(30.0, Reason.YIELD_TO))) is Instruction.STOP
+    assert crossing.RULE.instruction(ego.considered(stop=stop_at(30.0, Reason.YIELD_TO))) is Instruction.STOP
 
 
 def in_region(ego):
@@ -302,7 +303,7 @@ def test_the_ego_keeps_a_junction_clear_only_where_planned_braking_stops_it_befo
 
 def test_stopping_is_for_the_stops_of_the_route_and_ends_when_they_are_served():
     ego = before("two_way_road", COUNTRY, 600.0, 15.0)
-    scheduled, other = (ego.considered(stop=StopAt(60.0, reason)) for reason in (Reason.SCHEDULED_STOP, Reason.RED_LIGHT))
+    scheduled, other = (ego.considered(stop=stop_at(60.0, reason)) for reason in (Reason.SCHEDULED_STOP, Reason.RED_LIGHT))
     assert (stopping.RULE.may_begin(scheduled), stopping.RULE.has_ended(scheduled)) == (True, False)
     assert (stopping.RULE.may_begin(other), stopping.RULE.has_ended(other)) == (False, True)
     assert stopping.RULE.instruction(scheduled) is Instruction.STOP

@@ -149,7 +149,7 @@ def test_a_speed_far_from_nominal_is_an_event_once(alone, slower, is_one):
 
 def test_a_missed_time_constraint_is_an_event(alone):
     first = alone.step()
-    due = first.completed.time_constraints[0].time
+    due = first.completed.constraints[0].time
     allowed = {"progress_time": due, "delay": 1000.0}
     assert events_after(alone, first, time=due + TIME_TOLERANCE_S - 0.1, **allowed) == ()
     missed = events_after(alone, first, time=due + TIME_TOLERANCE_S + 0.1, **allowed)

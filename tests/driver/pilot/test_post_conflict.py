@@ -3,7 +3,8 @@
 import pytest
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.pilot.post_conflict import is_clear_at, wait_before
 
 NORTH = ("from_south", "to_north")
@@ -16,7 +17,7 @@ def moved(away: float, speed: float, behind: float, reason: Reason) -> float | N
     way, conflicts = situation.ways[0], situation.ahead[0][2]
     clear = is_clear_at(way, conflicts, situation.limits)
     assert clear is not None
-    stop = StopAt(clear + behind, reason)
+    stop = stop_at(clear + behind, reason)
     found = wait_before(way, conflicts, (stop,), situation.snapshot, situation.memory, situation.limits)
     return None if found is None else found.s - ego.line
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
     CAUTIOUS_AHEAD_M,
@@ -29,7 +30,7 @@ _REASONS = {Signal.STOP: Reason.RED_LIGHT, Signal.STOP_ON_YELLOW: Reason.YELLOW_
 
 def stop_at_line(
     way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> tuple[StopAt | None, Decision | None, PilotMemory]:
+) -> tuple[TimeConstraint | None, Decision | None, PilotMemory]:
     """Return the stop that light or sign ask for before the line, the decision to pass a light that changed too late,
     and the memory of a full stop once it is made."""
     connection, place = way.connection, _place(way, snapshot)
@@ -43,7 +44,7 @@ def stop_at_line(
     if asked is Signal.GO_ON_YELLOW and since is not None and _comes_too_late(way, snapshot, limits, since + YELLOW_S):
         asked = Signal.STOP_ON_YELLOW
     if asked in _REASONS:
-        return StopAt(place, _REASONS[asked], cause=light), None, memory
+        return stop_at(place, _REASONS[asked], cause=light), None, memory
     if asked is Signal.GO_ON_YELLOW:
         needed = snapshot.ego.speed**2 / (2.0 * max(to_line, 0.1))
         figures = (("to_line_m", to_line), ("braking_needed_m_s2", needed))
@@ -53,7 +54,7 @@ def stop_at_line(
         return None, None, memory
     if snapshot.ego.speed < STANDING_SPEED and place - snapshot.front < STOP_REACHED_M:
         return None, None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
-    return StopAt(place, Reason.STOP_SIGN), None, memory
+    return stop_at(place, Reason.STOP_SIGN), None, memory
 
 
 def _yellow_since(name: str, letter: str, time: float, memory: PilotMemory) -> tuple[PilotMemory, float | None]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED, STOP_REACHED_M
@@ -26,7 +27,7 @@ def still_to_serve(plan: NominalPlan, memory: PilotMemory, time: float) -> tuple
     return replace(left[0], stop=serving), *left[1:]
 
 
-def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[StopAt | None, PilotMemory]:
+def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[TimeConstraint | None, PilotMemory]:
     """Stop where the route says, stay for the duration and not before `until`, then go on."""
     planned = pending(plan, memory)
     if planned is None:
@@ -37,7 +38,7 @@ def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[S
             memory = memory._replace(serving_until=max(snapshot.time + stop.duration, stop.until or 0.0))
     elif snapshot.time >= memory.serving_until:
         return None, memory._replace(served=(*memory.served, stop), serving_until=None)
-    return StopAt(planned.s, Reason.SCHEDULED_STOP, cause=stop.lane_id), memory
+    return stop_at(planned.s, Reason.SCHEDULED_STOP, cause=stop.lane_id), memory
 
 
 def stop_is_next(situation: Situation) -> bool:
