@@ -21,7 +21,7 @@ from sumo_reactive.driver.nouns.traffic import Traffic
 from sumo_reactive.driver.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M, STANDING_SPEED, STUCK_S
 from sumo_reactive.driver.path.lane_choice import choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart, plan
-from sumo_reactive.driver.pilot.lights import has_passed, letter_of
+from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph

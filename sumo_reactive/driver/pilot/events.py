@@ -24,10 +24,10 @@ from sumo_reactive.driver.parameters import (
     TRUST_AHEAD_S,
     TRUST_S,
 )
-from sumo_reactive.driver.pilot.highway_code import Rules
-from sumo_reactive.driver.pilot.lane_changing import seeks
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
 from sumo_reactive.driver.pilot.passages import Ahead
+from sumo_reactive.driver.pilot.rules.highway_code import Rules
 
 FAR, NEAR, ENTERING, INSIDE = range(4)
 """How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""

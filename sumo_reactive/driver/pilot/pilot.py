@@ -25,19 +25,19 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.pilot.behaviours import overtaking
-from sumo_reactive.driver.pilot.escape import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import LaneChanging, seek_gap
+from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
+from sumo_reactive.driver.pilot.behaviours.taking_another_way import is_missed, waiting_since
+from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
 from sumo_reactive.driver.pilot.events import premises_of
-from sumo_reactive.driver.pilot.held_up import leave_queue, released
-from sumo_reactive.driver.pilot.highway_code import Rules, ask, decision_of, nearest
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging, seek_gap
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.missed_turn import is_missed, waiting_since
 from sumo_reactive.driver.pilot.passages import Ahead, crossings
+from sumo_reactive.driver.pilot.rules.highway_code import Rules, ask, decision_of, nearest
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
 from sumo_reactive.driver.pilot.situation import Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
-from sumo_reactive.driver.pilot.turning_round import Turning, place_to_begin, turn_round
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 _UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
@@ -99,7 +99,7 @@ def decide(
     changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
     if changing == LaneChanging():
         changing = leave_queue(snapshot, plan, outlook, ways, memory, limits)
-    asked, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
+    asked, memory = ask(snapshot, plan, ways, ahead, changing.stop, memory, limits)
     rules = asked
     assessment = _assess(snapshot, plan, outlook, rules, limits)
     situation = Situation(
@@ -144,7 +144,7 @@ def confirm(
     before: then the plan `held` stays in force. None: the pilot must decide.
     """
     ways = tuple(crossings(snapshot, held.plan, ahead))
-    rules, after = ask(snapshot, held.plan, ways, ahead, LaneChanging(), memory, limits)
+    rules, after = ask(snapshot, held.plan, ways, ahead, None, memory, limits)
     if memory.premises is None or after != memory or rules.gist != memory.premises.asked:
         return None
     return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))

@@ -10,7 +10,7 @@ from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.parameters import HALTED_ROOM_M
-from sumo_reactive.driver.pilot.escape import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 
 STREET = ("eastbound", "eastbound_out")
 STUCK = (Event(EventKind.NO_PROGRESS),)

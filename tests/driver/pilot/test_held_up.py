@@ -21,8 +21,8 @@ from sumo_reactive.driver.parameters import (
     TURNER_WAIT_S,
     TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.held_up import expected_wait, leave_queue, released
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import LaneChanging
+from sumo_reactive.driver.pilot.behaviours.changing_queues import expected_wait, leave_queue, released
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
 
 BODY = Body(4.7, 1.8, 9.0, 50.0)

@@ -5,7 +5,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.pilot.post_conflict import is_clear_at, wait_before
+from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, wait_before
 
 NORTH = ("from_south", "to_north")
 

@@ -19,7 +19,7 @@ from sumo_reactive.driver.parameters import (
     TURNAROUND_PATIENCE_S,
     WHEELS_TURNED_RAD,
 )
-from sumo_reactive.driver.pilot.turning_round import place_to_begin, turn_round
+from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6

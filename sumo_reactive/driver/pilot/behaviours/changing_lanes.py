@@ -29,7 +29,7 @@ from sumo_reactive.driver.parameters import (
     URGENT_REACTION_S,
     URGENT_S,
 )
-from sumo_reactive.driver.pilot.gaps import gap_for_follower
+from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 

@@ -23,10 +23,10 @@ from sumo_reactive.driver.parameters import (
     TURNER_WAIT_S,
     TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging, leaves_gap, pending
-from sumo_reactive.driver.pilot.lights import letter_of
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import LaneChanging, leaves_gap, pending
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
+from sumo_reactive.driver.pilot.rules.lights import letter_of
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 _CREEPING_ROOM_M = 0.5

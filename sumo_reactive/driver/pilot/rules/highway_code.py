@@ -11,11 +11,9 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, 
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED
-from sumo_reactive.driver.pilot import post_conflict
-from sumo_reactive.driver.pilot.behaviours import cautious, crossing, stopping
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Ahead, Crossing
+from sumo_reactive.driver.pilot.rules import post_conflict, region, scheduled_stop, stop_line
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 _RECORDED_S = 10.0
@@ -46,21 +44,22 @@ def ask(
     plan: NominalPlan,
     ways: tuple[Crossing, ...],
     ahead: Ahead,
-    changing: LaneChanging,
+    change: TimeConstraint | None,
     memory: PilotMemory,
     limits: VehicleLimits,
 ) -> tuple[Rules, PilotMemory]:
-    """Ask for scheduled stops, lane changes, and for each passage: its line, its regions, the room behind them.
+    """Ask for scheduled stops and for each passage: its line, its regions, the room behind them.
+    `change`: where to stop for a gap.
 
     The farthest passage is asked first: who means to stop behind a region, there or behind a queue, leaves it later, and
     who would stop so near behind that it stands in one waits before it.
     """
-    scheduled, memory = stopping.serve(snapshot, plan, memory)
+    scheduled, memory = scheduled_stop.serve(snapshot, plan, memory)
     met = [(way, conflicts) for way, (_, _, conflicts) in zip(ways, ahead, strict=True)]
-    change = post_conflict.clear_of(changing.stop, met, plan, snapshot.front, limits)
+    change = post_conflict.clear_of(change, met, plan, snapshot.front, limits)
     stops = [(stop, decision_of(stop)) for stop in (scheduled, change) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
-    foes = crossing.without_queues(snapshot.foes)
+    foes = region.without_queues(snapshot.foes)
     found: list[Rules] = []
     shown = next((way.number for way, conflicts in met if conflicts), None)
     for way, conflicts in reversed(met):
@@ -89,9 +88,9 @@ def _passage(
     is_shown: bool,
 ) -> tuple[Rules, PilotMemory]:
     """Return what one passage asks for, with the states of its regions if they are to be shown."""
-    at_line, late, memory = cautious.stop_at_line(way, snapshot, memory, limits)
+    at_line, late, memory = stop_line.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
-    found = list(crossing.judgements(way, foes, snapshot, memory, limits))
+    found = list(region.judgements(way, foes, snapshot, memory, limits))
     waits = [
         (stop_at(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
         for judgement, place in found
@@ -108,7 +107,7 @@ def _passage(
     return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged), memory
 
 
-def _is_worth_a_word(judgement: crossing.Judgement) -> bool:
+def _is_worth_a_word(judgement: region.Judgement) -> bool:
     return judgement.foe.conflict.must_yield and judgement.other.arrival < _RECORDED_S
 
 
@@ -117,7 +116,7 @@ def _states(
     conflicts: tuple[Conflict, ...],
     snapshot: Snapshot,
     limits: VehicleLimits,
-    judgements: list[crossing.Judgement],
+    judgements: list[region.Judgement],
 ) -> tuple[RegionState, ...]:
     """Return the state of every region of a passage: one vehicle at a time."""
     taken: dict[str, RegionState] = {}
