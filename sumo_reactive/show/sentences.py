@@ -13,6 +13,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.NEW_ROUTE: "the route is planned anew, since the turn to the edge named was missed",
     EventKind.NEW_OBSTACLE: "a new obstacle is ahead",
     EventKind.INTERSECTION: "the ego reaches the next stage of an intersection",
+    EventKind.STOP_AHEAD: "a stop of the route comes into reach",
     EventKind.LANE_CHANGE: "a lane change comes into reach",
     EventKind.LIGHT_CHANGE: "a light changes",
     EventKind.OTHER_BEHAVIOUR: "somebody does something else than foreseen",
@@ -42,6 +43,11 @@ BEHAVIOURS: dict[Behaviour, str] = {
     Behaviour.OVERTAKING: "Overtaking",
     Behaviour.STOPPING: "Stopping at a location",
     Behaviour.CROSSING: "Crossing the intersection",
+    Behaviour.CHANGING_LANES: "Changing lanes",
+    Behaviour.CHANGING_QUEUES: "Changing queues",
+    Behaviour.TURNING_ROUND: "Turning round",
+    Behaviour.BACKING_UP: "Backing up",
+    Behaviour.TAKING_ANOTHER_WAY: "Taking another way",
 }
 
 ENDINGS: dict[tuple[Behaviour, Behaviour], str] = {

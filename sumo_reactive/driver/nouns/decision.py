@@ -7,13 +7,18 @@ from enum import Enum
 
 
 class Behaviour(Enum):
-    """The behaviours of the paper (F&L 1991, §2)."""
+    """What the ego is doing: the paper's five (F&L 1991, §2), and those that the road adds."""
 
     NORMAL = "normal driving"
     CAUTIOUS = "cautious driving"
     OVERTAKING = "overtaking"
     STOPPING = "stopping at a location"
     CROSSING = "crossing an intersection"
+    CHANGING_LANES = "changing lanes"
+    CHANGING_QUEUES = "changing queues"
+    TURNING_ROUND = "turning round"
+    BACKING_UP = "backing up"
+    TAKING_ANOTHER_WAY = "taking another way"
 
 
 class Instruction(Enum):

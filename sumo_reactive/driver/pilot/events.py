@@ -13,8 +13,6 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
     BEHAVIOUR_TOLERANCE,
-    CAUTIOUS_AHEAD_M,
-    CAUTIOUS_AHEAD_S,
     DELAY_STEP_S,
     ENTERING_M,
     NO_PROGRESS_S,
@@ -26,8 +24,10 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
-from sumo_reactive.driver.pilot.passages import Ahead
-from sumo_reactive.driver.pilot.rules.highway_code import Rules
+from sumo_reactive.driver.pilot.passages import Ahead, View, reach_of
+from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules
+from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
+from sumo_reactive.driver.pilot.transitions import RULES
 
 FAR, NEAR, ENTERING, INSIDE = range(4)
 """How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""
@@ -49,7 +49,7 @@ def detect(
         new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
         return (Event(EventKind.NEW_PLAN), *new_route)
     found = _others(snapshot, held, premises)
-    found += _own(snapshot, plan, ahead, premises)
+    found += _own(snapshot, plan, ahead, memory, premises)
     found += _times(snapshot, held, memory, premises)
     if no_command:
         found.append(Event(EventKind.NO_COMMAND))
@@ -63,23 +63,25 @@ def only_foes(events: tuple[Event, ...], snapshot: Snapshot) -> bool:
 
 
 def premises_of(
-    snapshot: Snapshot, made: CompletedPlan, ahead: Ahead, rules: Rules, *, is_watchful: bool, is_settled: bool
+    view: View, made: CompletedPlan, memory: PilotMemory, rules: Rules, *, is_watchful: bool, is_settled: bool
 ) -> Premises:
     """Return what the decision `made` now rests on; `rules`: what the highway code asked for.
 
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
+    snapshot, ahead = view.snapshot, view.ahead
     plan, stop, regions = made.plan, made.stop, frozenset(foe.conflict.region.id for foe in snapshot.foes)
     stages = _stages(snapshot, plan, ahead, regions)
     is_seeking = seeks(snapshot, plan)
     near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
     trust = TRUST_S if near else TRUST_AHEAD_S
-    watches = snapshot.foes or is_watchful or is_seeking
+    asks = Rule.REGION in RULES[made.behaviour].asks
+    watches = (snapshot.foes and asks) or is_watchful or is_seeking
     return Premises(
         plan=plan,
         time=snapshot.time,
         lights=snapshot.lights,
-        speeds=_speeds(snapshot),
+        speeds=_speeds(snapshot, asks),
         heeded=rules.judged.union(obstacle.user.id for obstacle in snapshot.on_path),
         is_threatened=stop is not None and _is_threat(stop, snapshot),
         regions=regions,
@@ -89,6 +91,8 @@ def premises_of(
         is_seeking=is_seeking,
         is_watchful=is_watchful,
         is_settled=is_settled,
+        asks=asks,
+        stop_is_near=is_next(snapshot, plan, memory),
         asked=rules.gist,
         trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
@@ -103,7 +107,7 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list
             found.append(Event(EventKind.LIGHT_CHANGE, light))
     if premises.is_settled:
         return found
-    speeds, trusted = _speeds(snapshot), premises.speeds
+    speeds, trusted = _speeds(snapshot, premises.asks), premises.speeds
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
         if speed == foreseen:
@@ -132,11 +136,15 @@ def _is_threat(stop: TimeConstraint, snapshot: Snapshot) -> bool:
     return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
 
 
-def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> list[Event]:
+def _own(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory, premises: Premises
+) -> list[Event]:
     """Return what the ego itself has come to."""
     found: list[Event] = []
     if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
         found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
+    if not premises.stop_is_near and plan.stops and is_next(snapshot, plan, memory):
+        found.append(Event(EventKind.STOP_AHEAD))
     if not premises.is_seeking and seeks(snapshot, plan):
         found.append(Event(EventKind.LANE_CHANGE))
     if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
@@ -179,10 +187,10 @@ def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[
     return found
 
 
-def _speeds(snapshot: Snapshot) -> dict[str, float]:
+def _speeds(snapshot: Snapshot, asks: bool) -> dict[str, float]:
     speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
-    for foe in snapshot.foes:
-        speeds[foe.user.id] = foe.user.speed
+    if asks:
+        speeds.update((foe.user.id, foe.user.speed) for foe in snapshot.foes)
     return speeds
 
 
@@ -193,7 +201,7 @@ def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
 def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]) -> tuple[tuple[int, ...], ...]:
     """Return for each passage in sight the ego's stage, its index and how many of `regions` the front bumper has reached."""
     front = snapshot.front
-    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed
+    reach = reach_of(snapshot.ego.speed)
     found = []
     for i, connection, conflicts in ahead:
         if not conflicts and connection.light is None:

@@ -13,7 +13,6 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
-from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
     CAUTIOUS_AHEAD_M,
@@ -26,19 +25,18 @@ from sumo_reactive.driver.parameters import (
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import LaneChanging, seek_gap
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap
 from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
-from sumo_reactive.driver.pilot.behaviours.taking_another_way import is_missed, waiting_since
+from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
 from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
 from sumo_reactive.driver.pilot.events import premises_of
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Ahead, crossings
-from sumo_reactive.driver.pilot.rules.highway_code import Rules, ask, decision_of, nearest
+from sumo_reactive.driver.pilot.passages import View
+from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
-from sumo_reactive.driver.pilot.situation import Situation, next_on_way
+from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
-from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 _UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
 """Stops that no assessment can put off."""
@@ -80,52 +78,52 @@ def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
 
 
 def decide(
-    snapshot: Snapshot,
-    plan: NominalPlan,
-    ahead: Ahead,
+    view: View,
     outlook: Outlook,
     events: tuple[Event, ...],
+    held: CompletedPlan | None,
     memory: PilotMemory,
-    limits: VehicleLimits,
     style: Style,
 ) -> tuple[CompletedPlan, PilotMemory]:
-    """Complete the plan because of `events`.
+    """Complete the plan because of `events`; `held` is P⁺ as it was.
 
-    1. Ask the highway code. 2. Assess: how does the plan end if the ego goes on? 3. Choose the behaviour. 4. Carry out an
-    overtaking or an escape. 5. Adjust the time constraints. 6. Note what the decision rests on.
+    1. Assess: how does P⁺ end if everybody goes on? 2. Choose the behaviour. 3. Ask the rules that it names. 4. Carry it
+    out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
-    ways = tuple(crossings(snapshot, plan, ahead))
-    memory = memory._replace(released=released(snapshot, ways, memory))
-    changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
-    if changing == LaneChanging():
-        changing = leave_queue(snapshot, plan, outlook, ways, memory, limits)
-    asked, memory = ask(snapshot, plan, ways, ahead, changing.stop, memory, limits)
-    rules = asked
-    assessment = _assess(snapshot, plan, outlook, rules, limits)
+    snapshot, plan, limits = view.snapshot, view.plan, view.limits
+    memory = memory._replace(released=released(snapshot, view.ways, memory))
+    assessment = _assess(view, outlook, held)
+    changing = _changing(view, outlook, memory)
+    x = next_on_way(snapshot)
     situation = Situation(
-        snapshot, plan, limits, memory, events, ahead, ways, next_on_way(snapshot), nearest(rules.stops), assessment, outlook
+        snapshot, plan, limits, memory, events, view.ahead, view.ways, x, None, assessment, outlook, None, changing
     )
+    situation = situation._replace(proof=overtaking.try_out(situation))
+    behaviour = next_behaviour(situation)
+    asks = RULES[behaviour].asks
+    changing = changing if Rule.LANE_GAP in asks else LaneChanging()
+    asked, memory = ask(view, asks, changing.stop, memory)
+    situation = situation._replace(memory=memory, stop=nearest(asked.stops), changing=changing)
     is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
     comes_over = outlook.comes_over
     turning = turn_round(snapshot, plan, situation.stop, memory, comes_over=comes_over, is_stuck=is_stuck)
-    situation, rules = _with_turn(*_with_room(situation, rules))
+    situation, rules = _with_turn(*_with_room(situation, asked))
     memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
-    situation = situation._replace(memory=memory, proof=overtaking.try_out(situation))
-    behaviour = next_behaviour(situation)
-    orders = _ordered(situation, behaviour, rules, changing)
+    situation = situation._replace(memory=memory)
+    orders = _ordered(situation, behaviour, rules)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
     if turning is not None:
         orders = _turning(orders, turning, snapshot)
-    constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
+    constraints, asks_for, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
-        orders = orders._replace(request=Request(asks))
+        orders = orders._replace(request=Request(asks_for))
     constraints += _limits_of(orders, changing, snapshot)
     completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
-    premises = premises_of(snapshot, completed, ahead, asked, is_watchful=watchful, is_settled=settled)
+    premises = premises_of(view, completed, memory, asked, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 
@@ -137,25 +135,34 @@ def may_confirm(snapshot: Snapshot, memory: PilotMemory) -> bool:
     return snapshot.ego.speed >= STANDING_SPEED
 
 
-def confirm(
-    snapshot: Snapshot, ahead: Ahead, held: CompletedPlan, memory: PilotMemory, limits: VehicleLimits
-) -> PilotMemory | None:
+def confirm(view: View, held: CompletedPlan, memory: PilotMemory) -> PilotMemory | None:
     """Return the memory with the others foreseen anew if the highway code asks an ego that `may_confirm` for the same as
     before: then the plan `held` stays in force. None: the pilot must decide.
     """
-    ways = tuple(crossings(snapshot, held.plan, ahead))
-    rules, after = ask(snapshot, held.plan, ways, ahead, None, memory, limits)
+    rules, after = ask(view, RULES[memory.behaviour].asks, None, memory)
     if memory.premises is None or after != memory or rules.gist != memory.premises.asked:
         return None
-    return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))
+    premises = premises_of(view, held, memory, rules, is_watchful=False, is_settled=False)
+    return memory._replace(premises=premises)
 
 
-def _assess(snapshot: Snapshot, plan: NominalPlan, outlook: Outlook, rules: Rules, limits: VehicleLimits) -> Assessment:
-    """Simulate going on, up to the stops that nothing can put off; who yields by the rules and still can is trusted."""
-    stop = nearest(tuple(one for one in rules.stops if one[0].reason in _UNCONDITIONAL))
+def _changing(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
+    """Return what the lane beside asks for: the one that the route needs, else one whose queue is over sooner."""
+    snapshot, plan, limits = view.snapshot, view.plan, view.limits
+    changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
+    if changing == LaneChanging():
+        changing = leave_queue(snapshot, plan, outlook, view.ways, memory, limits)
+    return changing
+
+
+def _assess(view: View, outlook: Outlook, held: CompletedPlan | None) -> Assessment:
+    """Simulate going on, up to the stops of P⁺ that nothing can put off; who has to yield and still can is trusted."""
+    snapshot, plan = view.snapshot, view.plan
+    stops = () if held is None or held.plan is not plan else held.constraints
+    stop = min((one for one in stops if one.reason in _UNCONDITIONAL), key=lambda one: one.s, default=None)
     trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
     target = next((c for c in plan.time_constraints if c.s > snapshot.front), None)
-    return assess(snapshot, outlook.forecast, plan, stop, target, limits, trusted)
+    return assess(snapshot, outlook.forecast, plan, stop, target, view.limits, trusted)
 
 
 def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
@@ -190,27 +197,24 @@ def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
     )
 
 
-def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing: LaneChanging) -> Orders:
+def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules) -> Orders:
     """Return the orders that follow from the behaviour alone."""
+    why = situation.changing.why
     return Orders(
         instruction=RULES[behaviour].instruction(situation),
         stop=situation.stop,
-        request=_request(situation, changing),
-        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation), *_why(changing)),
+        request=_request(situation, behaviour),
+        decisions=(*(one for _, one in rules.stops), *rules.passes, *_behind(situation), *(() if why is None else (why,))),
         memory=situation.memory._replace(overtaking=None),
     )
 
 
-def _why(changing: LaneChanging) -> tuple[Decision, ...]:
-    return () if changing.why is None else (changing.why,)
-
-
-def _request(situation: Situation, changing: LaneChanging) -> Request:
+def _request(situation: Situation, behaviour: Behaviour) -> Request:
     """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
+    changing = situation.changing
     if changing.side or changing.calls_off:
         return Request(Replanning.CURVE, changing.side)
-    missed = is_missed(situation.snapshot, situation.stop, situation.memory)
-    return Request(Replanning.ROUTE) if missed else Request()
+    return Request(Replanning.ROUTE) if behaviour is Behaviour.TAKING_ANOTHER_WAY else Request()
 
 
 def _behind(situation: Situation) -> tuple[Decision, ...]:

@@ -12,6 +12,11 @@ BEHAVIOUR_COLOURS: dict[Behaviour, str] = {
     Behaviour.OVERTAKING: "#cc79a7",
     Behaviour.STOPPING: "#d55e00",
     Behaviour.CROSSING: "#009e73",
+    Behaviour.CHANGING_LANES: "#56b4e9",
+    Behaviour.CHANGING_QUEUES: "#8a8f2a",
+    Behaviour.TURNING_ROUND: "#7a5fb5",
+    Behaviour.BACKING_UP: "#a0522d",
+    Behaviour.TAKING_ANOTHER_WAY: "#5f6b75",
 }
 
 PALETTE = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8a8f2a", "#7a5fb5")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
@@ -12,7 +13,7 @@ from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M, STANDING_SPEED
 from sumo_reactive.driver.pilot.passed import lateral_for, passed
-from sumo_reactive.driver.pilot.situation import Situation
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 _TOO_NEAR_M = 1.5
 """An ego that stands by this much nearer than HALTED_ROOM_M backs up…"""
@@ -111,3 +112,22 @@ def _is_free_behind(situation: Situation, way: float) -> bool:
         if -limits.length < behind < way and abs(my * c - mx * s) < 0.5 * (limits.width + width) + 0.5:
             return False
     return True
+
+
+def is_too_near(situation: Situation) -> bool:
+    """The ego stands too near behind somebody who has halted to swing out past him, and there is room behind."""
+    x = situation.ahead_of_ego
+    return x is not None and has(Mechanism.ESCAPE) and _is_too_near(situation, x)
+
+
+def has_room(situation: Situation) -> bool:
+    """There is room to swing out, or nobody to pass."""
+    return not is_too_near(situation)
+
+
+def back_up(situation: Situation) -> Instruction:
+    """Back up at walking speed."""
+    return Instruction.BACK_UP
+
+
+RULE = BehaviourRule(Behaviour.BACKING_UP, (is_too_near,), back_up, (has_room,))

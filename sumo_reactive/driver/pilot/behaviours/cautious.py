@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
-from sumo_reactive.driver.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S
+from sumo_reactive.driver.pilot.passages import reach_of
 from sumo_reactive.driver.pilot.rules.lights import has_passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
 def intersection_is_near(situation: Situation) -> bool:
     """M approaches an intersection where somebody may cross its path or a light speaks, and has not passed the line."""
-    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * situation.snapshot.ego.speed
+    reach = reach_of(situation.snapshot.ego.speed)
     for way, (_, connection, conflicts) in zip(situation.ways, situation.ahead, strict=True):
         line, front = way.passage.start, situation.snapshot.front
         if not has_passed(line, front) and line - front < reach and (conflicts or connection.light):

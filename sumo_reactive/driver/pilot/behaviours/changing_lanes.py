@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Cut, Neighbour, Snapshot
 from sumo_reactive.driver.parameters import (
@@ -30,22 +28,8 @@ from sumo_reactive.driver.parameters import (
     URGENT_S,
 )
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
+from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-
-
-class LaneChanging(NamedTuple):
-    """What to do about the next lane change.
-
-    Begin it now to `side` (0: not now), stop at the latest by `stop`, and meanwhile stay behind `slot`, the vehicle on
-    the other lane that the ego will follow. `why`: the reason for a change that the route does not need, or for calling off
-    one that has begun (`calls_off`).
-    """
-
-    side: int = 0
-    stop: TimeConstraint | None = None
-    slot: str = ""
-    why: Decision | None = None
-    calls_off: bool = False
 
 
 def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
@@ -182,3 +166,21 @@ def leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgenc
         braking = EASY_STOP_DECELERATION + urgency * (HARD_STOP_DECELERATION - EASY_STOP_DECELERATION)
         gap, needed = -neighbour.ahead - limits.length, max(least, gap_for_follower(other.speed, speed, headway, braking))
     return gap > needed
+
+
+def is_sought(situation: Situation) -> bool:
+    """The route needs a lane beside soon, or the body will cut into it, or such a change has just begun."""
+    return seeks(situation.snapshot, situation.plan)
+
+
+def is_done(situation: Situation) -> bool:
+    """No change of lanes is in reach any more."""
+    return not is_sought(situation)
+
+
+def follow_curve(situation: Situation) -> Instruction:
+    """Follow C, which makes the change where the gap is; without one, stop where C would begin it."""
+    return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.CHANGING_LANES, (is_sought,), follow_curve, (is_done,))

@@ -23,10 +23,11 @@ from sumo_reactive.driver.parameters import (
     TURNER_WAIT_S,
     TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import LaneChanging, leaves_gap, pending
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import follow_curve, leaves_gap, pending
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import letter_of
+from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 _CREEPING_ROOM_M = 0.5
@@ -145,3 +146,18 @@ def _leave(snapshot: Snapshot, queue: Queue, way: WayBeside, cause: Queued, limi
     if place == math.inf:
         return LaneChanging()
     return LaneChanging(stop=stop_at(place, Reason.HELD_UP, way.to_lane, cause.user.id))
+
+
+def is_worth_it(situation: Situation) -> bool:
+    """The queue is held up, and a lane beside leads on as well and is over sooner."""
+    changing = situation.changing
+    reasons = (changing.why and changing.why.reason, changing.stop and changing.stop.reason)
+    return Reason.HELD_UP in reasons
+
+
+def is_not_worth_it(situation: Situation) -> bool:
+    """The ego has left the queue, or the queue goes on."""
+    return not is_worth_it(situation)
+
+
+RULE = BehaviourRule(Behaviour.CHANGING_QUEUES, (is_worth_it,), follow_curve, (is_not_worth_it,))

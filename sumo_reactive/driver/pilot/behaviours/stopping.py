@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
 def stop_is_next(situation: Situation) -> bool:
-    """The nearest place to stop at is a stop of the route."""
-    return situation.stop is not None and situation.stop.reason is Reason.SCHEDULED_STOP
+    """A stop of the route is in reach, and no line lies before it."""
+    return is_next(situation.snapshot, situation.plan, situation.memory)
 
 
 def stop_is_served(situation: Situation) -> bool:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import AT_LANE_END_M, CREEPING_SPEED, MISSED_TURN_S, QUEUE_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
 def waiting_since(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemory) -> float | None:
@@ -30,3 +31,21 @@ def is_missed(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemo
     are_passing = any(neighbour.user.speed > CREEPING_SPEED for neighbour in snapshot.neighbours)
     patience = MISSED_TURN_S if is_at_end and are_passing else QUEUE_PATIENCE_S
     return snapshot.time - memory.waiting_since > patience
+
+
+def turn_is_missed(situation: Situation) -> bool:
+    """Nobody lets the ego onto the lane that its turn is made from."""
+    return is_missed(situation.snapshot, situation.changing.stop, situation.memory)
+
+
+def turn_is_open(situation: Situation) -> bool:
+    """The ego has another way, or a gap."""
+    return not turn_is_missed(situation)
+
+
+def wait(situation: Situation) -> Instruction:
+    """Wait until the other way is found."""
+    return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.TAKING_ANOTHER_WAY, (turn_is_missed,), wait, (turn_is_open,))

@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED, TURNAROUND_PATIENCE_S, TURNAROUND_REACHED_M
 from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import reach_of
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
 class Turning(NamedTuple):
@@ -88,3 +90,25 @@ def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> T
         return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
     after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
     return Turning(turn.moves[-1], decision, after, memory._replace(move=None))
+
+
+def is_near(situation: Situation) -> bool:
+    """The ego turns round, or comes to where it will."""
+    snapshot, plan = situation.snapshot, situation.plan
+    number = _next(snapshot, plan)
+    if situation.memory.move is not None or number is None:
+        return situation.memory.move is not None
+    return plan.turnarounds[number].start - snapshot.front < reach_of(snapshot.ego.speed)
+
+
+def is_over(situation: Situation) -> bool:
+    """No such turn is near any more."""
+    return not is_near(situation)
+
+
+def approach(situation: Situation) -> Instruction:
+    """Come to a stand where the turn begins; its moves follow."""
+    return Instruction.APPROACH if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.TURNING_ROUND, (is_near,), approach, (is_over,))

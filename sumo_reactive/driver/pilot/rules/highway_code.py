@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
+from enum import Enum
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState
-from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Ahead, Crossing
+from sumo_reactive.driver.pilot.passages import Crossing, View
 from sumo_reactive.driver.pilot.rules import post_conflict, region, scheduled_stop, stop_line
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
@@ -21,6 +21,20 @@ _RECORDED_S = 10.0
 
 Wait = tuple[TimeConstraint, Decision]
 """A place to stop at, and why."""
+
+
+class Rule(Enum):
+    """What the highway code knows; a behaviour names what it asks."""
+
+    STOP_LINE = "light and sign before the line"
+    REGION = "who goes first through a conflict region"
+    POST_CONFLICT = "the room behind a conflict region"
+    SCHEDULED_STOP = "the stops of the route"
+    LANE_GAP = "the gap on the lane beside"
+
+
+NO_RULE: frozenset[Rule] = frozenset()
+HIGHWAY_CODE: frozenset[Rule] = frozenset(Rule)
 
 
 class Rules(NamedTuple):
@@ -40,23 +54,18 @@ class Rules(NamedTuple):
 
 
 def ask(
-    snapshot: Snapshot,
-    plan: NominalPlan,
-    ways: tuple[Crossing, ...],
-    ahead: Ahead,
-    change: TimeConstraint | None,
-    memory: PilotMemory,
-    limits: VehicleLimits,
+    view: View, asked: frozenset[Rule], change: TimeConstraint | None, memory: PilotMemory
 ) -> tuple[Rules, PilotMemory]:
-    """Ask for scheduled stops and for each passage: its line, its regions, the room behind them.
-    `change`: where to stop for a gap.
+    """Ask for what the rules `asked` say, and for each passage: its line, its regions, the room behind them.
 
-    The farthest passage is asked first: who means to stop behind a region, there or behind a queue, leaves it later, and
-    who would stop so near behind that it stands in one waits before it.
+    `change`: where to stop for a gap on the lane beside. The farthest passage is asked first: who means to stop behind a
+    region, there or behind a queue, leaves it later, and who would stop so near behind that it stands in one waits before.
     """
-    scheduled, memory = scheduled_stop.serve(snapshot, plan, memory)
-    met = [(way, conflicts) for way, (_, _, conflicts) in zip(ways, ahead, strict=True)]
-    change = post_conflict.clear_of(change, met, plan, snapshot.front, limits)
+    snapshot, limits, met = view.snapshot, view.limits, view.met
+    scheduled = None
+    if Rule.SCHEDULED_STOP in asked:
+        scheduled, memory = scheduled_stop.serve(snapshot, view.plan, memory)
+    change = post_conflict.clear_of(change, met, view.plan, snapshot.front, limits) if Rule.LANE_GAP in asked else None
     stops = [(stop, decision_of(stop)) for stop in (scheduled, change) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
     foes = region.without_queues(snapshot.foes)
@@ -66,8 +75,12 @@ def ask(
         places = [*queue, *(stop.s for stop, _ in stops)]
         behind = min((place for place in places if place > way.passage.end), default=math.inf)
         way = way._replace(stop=behind)
-        rules, memory = _passage(way, conflicts, foes, snapshot, memory, limits, is_shown=way.number == shown)
-        before = post_conflict.wait_before(way, conflicts, (stop for stop, _ in stops), snapshot, memory, limits)
+        rules, memory = _passage(view, asked, way, conflicts, foes, memory)
+        if way.number != shown:
+            rules = rules._replace(regions=())
+        before = None
+        if Rule.POST_CONFLICT in asked:
+            before = post_conflict.wait_before(way, conflicts, (stop for stop, _ in stops), snapshot, memory, limits)
         stops.extend([] if before is None else [(before, decision_of(before))])
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
@@ -78,31 +91,31 @@ def ask(
 
 
 def _passage(
+    view: View,
+    asked: frozenset[Rule],
     way: Crossing,
     conflicts: tuple[Conflict, ...],
     foes: tuple[Foe, ...],
-    snapshot: Snapshot,
     memory: PilotMemory,
-    limits: VehicleLimits,
-    *,
-    is_shown: bool,
 ) -> tuple[Rules, PilotMemory]:
-    """Return what one passage asks for, with the states of its regions if they are to be shown."""
-    at_line, late, memory = stop_line.stop_at_line(way, snapshot, memory, limits)
+    """Return what one passage asks for, with the states of its regions."""
+    snapshot, limits, at_line, late = view.snapshot, view.limits, None, None
+    if Rule.STOP_LINE in asked:
+        at_line, late, memory = stop_line.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
-    found = list(region.judgements(way, foes, snapshot, memory, limits))
+    found = list(region.judgements(way, foes, snapshot, memory, limits)) if Rule.REGION in asked else []
     waits = [
         (stop_at(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
         for judgement, place in found
         if place is not None
     ]
     stops.extend([min(waits, key=lambda wait: wait[0].s)] if waits else [])
-    blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits)
+    blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits) if Rule.POST_CONFLICT in asked else ""
     if blocker:
         stop = stop_at(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
         stops.append((stop, decision_of(stop)))
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
-    states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found]) if is_shown else ()
+    states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found])
     judged = frozenset(judgement.foe.user.id for judgement, _ in found)
     return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged), memory
 
