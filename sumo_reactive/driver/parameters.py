@@ -257,6 +257,9 @@ GAP_BEFORE_S = 1.0
 GAP_AFTER_S = 0.5
 """Margin between the foe's leaving a region and the ego's arrival."""
 
+ROLLING_S = 12.0
+"""A gap that opens within this time is met rolling; for a later one the ego comes to a stand."""
+
 MERGE_GAP_S = 0.8
 """Time headway that a foe keeps behind the ego after it merged."""
 
@@ -557,6 +560,9 @@ COLLISION_HORIZON_S = 0.7
 
 COLLISION_STEP_S = 0.1
 """Time between tested footprints."""
+
+ROLLING_APPROACH_S = 3.0
+"""Time constant with which the ego slows down for a gap that is foreseen to open."""
 
 SPEED_APPROACH_S = 0.6
 """Time constant with which the ego approaches a speed limit from below."""

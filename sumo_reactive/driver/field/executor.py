@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
 from sumo_reactive.driver.geometry.angle import wrapped
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Instruction
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour, Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
@@ -34,6 +35,7 @@ from sumo_reactive.driver.parameters import (
     EXCESS_GAIN,
     HARD_STOP_MARGIN_M,
     PRESSING_GAIN,
+    ROLLING_APPROACH_S,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
@@ -120,6 +122,10 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
             continue
         away = constraint.s - STOP_LINE_MARGIN_M - front
         asked = stopping_speed(away, comfort, period)
+        if constraint.time < math.inf and has(Mechanism.TIMES):
+            left = constraint.time - snapshot.time
+            rolling = cruise_speed(speed, constraint.s - front, left, math.inf, limits.max_acceleration)
+            asked = min(asked, _gently(speed, rolling, period))
         if asked < wish.speed:
             braking = _braking(speed, 0.0, away, constraint.s - HARD_STOP_MARGIN_M - front, limits, comfort)
             wish = _lower(wish, asked, speed, braking, period, STOP_PLACE)
@@ -208,27 +214,33 @@ def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
     return next((n for n in snapshot.neighbours if n.user.id == user_id), None)
 
 
-def _target(snapshot: Snapshot, completed: CompletedPlan) -> TimeConstraint | None:
-    """Return the next (l, t_l) of P⁺ that sets no more than the desired speed."""
-    if not has(Mechanism.TIMES):
-        return None
-    for constraint in completed.constraints:
-        if constraint.s > snapshot.front and not constraint.is_hard and constraint.time < math.inf:
-            return constraint
-    return None
+def _targets(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstraint]:
+    """Yield the (l, t_l) ahead that set no more than the desired speed; of those of the schedule the next one."""
+    schedule = False
+    for one in completed.constraints if has(Mechanism.TIMES) else ():
+        if one.s > snapshot.front and not one.is_hard and one.time < math.inf:
+            if one.reason is not Reason.ON_SCHEDULE or not schedule:
+                yield one
+            schedule = True
 
 
 def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
     """The speed that road and time constraint ask for, approached gently from below (m/s)."""
-    plan, speed, target = completed.plan, snapshot.ego.speed, _target(snapshot, completed)
+    plan, speed = completed.plan, snapshot.ego.speed
     acceleration = limits.max_acceleration * completed.tuning.profile.acceleration
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
     road = plan.speed_limits.item(min(max(sample, 0), len(plan.speed_limits) - 1))
     best = min([road, *(one.speed for one in completed.constraints if one.s <= snapshot.front)])
-    if target is not None:
-        left = target.time - snapshot.time - TIME_TOLERANCE_S
-        best = min(best, cruise_speed(speed, target.s - snapshot.front, left, road, acceleration))
+    for target in _targets(snapshot, completed):
+        left = target.time - snapshot.time - (TIME_TOLERANCE_S if target.reason is Reason.ON_SCHEDULE else 0.0)
+        timely = cruise_speed(speed, target.s - snapshot.front, left, road, acceleration)
+        best = min(best, timely if target.reason is Reason.ON_SCHEDULE else _gently(speed, timely, period))
     return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
+
+
+def _gently(speed: float, wanted: float, period: float) -> float:
+    """Return a speed (m/s) on the way from the present one to a lower `wanted` one: a forecast is not worth a jerk."""
+    return wanted if wanted >= speed else speed + (wanted - speed) * min(1.0, period / ROLLING_APPROACH_S)
 
 
 def _without_jerk(wish: Wish, ego: VehicleState, period: float) -> float:

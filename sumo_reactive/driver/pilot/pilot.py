@@ -15,20 +15,20 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
-    CAUTIOUS_AHEAD_M,
     FOE_PATIENCE_S,
     LEAST_PATIENCE_S,
     OVERTAKING_SIGHT_M,
     PROGRESS_M,
     STANDING_SPEED,
 )
-from sumo_reactive.driver.pilot.assessment import assess
+from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap
 from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
 from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
 from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
+from sumo_reactive.driver.pilot.behaviours.turning_round import is_near as turn_is_near
 from sumo_reactive.driver.pilot.events import premises_of
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.driver.pilot.memory import PilotMemory
@@ -54,11 +54,11 @@ class Style(NamedTuple):
 
 
 class Orders(NamedTuple):
-    """What the pilot orders: instruction, stop, what it asks of the planner, why; the memory of it; a speed not to exceed
-    (m/s)."""
+    """What the pilot orders: instruction, every place to stop at, what it asks of the planner, why; the memory of it; a
+    speed not to exceed (m/s)."""
 
     instruction: Instruction
-    stop: TimeConstraint | None
+    stops: tuple[TimeConstraint, ...]
     request: Request
     decisions: tuple[Decision, ...]
     memory: PilotMemory
@@ -103,6 +103,7 @@ def decide(
     asks = RULES[behaviour].asks
     changing = changing if Rule.LANE_GAP in asks else LaneChanging()
     asked, memory = ask(view, asks, changing.stop, memory)
+    situation = situation._replace(assessment=failing_at(assessment, asked.met))
     situation = situation._replace(memory=memory, stop=nearest(asked.stops), changing=changing)
     is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
     comes_over = outlook.comes_over
@@ -117,7 +118,7 @@ def decide(
     constraints, asks_for, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
         orders = orders._replace(request=Request(asks_for))
-    constraints += _limits_of(orders, changing, snapshot)
+    constraints += _limits_of(orders, changing, snapshot) + asked.arrivals
     completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
@@ -177,11 +178,9 @@ def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
 def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     """Return both with the stop before a turn in several moves."""
     stop = place_to_begin(situation.snapshot, situation.plan, situation.memory, situation.outlook.comes_over)
-    if stop is None or (situation.stop is not None and situation.stop.s < stop.s):
+    if stop is None or not turn_is_near(situation) or (situation.stop is not None and situation.stop.s < stop.s):
         return situation, rules
-    if stop.s - situation.snapshot.front < CAUTIOUS_AHEAD_M:  # worth a word
-        rules = rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))
-    return situation._replace(stop=stop), rules
+    return situation._replace(stop=stop), rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))
 
 
 def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
@@ -190,7 +189,7 @@ def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
     since = snapshot.time if begins_or_moves else orders.memory.progress_time
     return orders._replace(
         instruction=Instruction.TURN_ROUND,
-        stop=None,
+        stops=(),
         request=turning.request,
         decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),
         memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=since),
@@ -202,7 +201,7 @@ def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules) -> Orders
     why = situation.changing.why
     return Orders(
         instruction=RULES[behaviour].instruction(situation),
-        stop=situation.stop,
+        stops=tuple(stop for stop, _ in rules.stops),
         request=_request(situation, behaviour),
         decisions=(*(one for _, one in rules.stops), *rules.passes, *_behind(situation), *(() if why is None else (why,))),
         memory=situation.memory._replace(overtaking=None),
@@ -237,10 +236,9 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
         return orders
     reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_id
     decision = Decision(Behaviour.OVERTAKING, reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
-    stop = orders.stop
     return orders._replace(
         instruction=step.overtaking.instruction,
-        stop=None if stop is not None and stop.reason is Reason.BLOCKED else stop,
+        stops=tuple(stop for stop in orders.stops if stop.reason is not Reason.BLOCKED),
         request=Request(Replanning.CURVE, aside=step.aside) if step.replans else orders.request,
         decisions=(*(d for d in orders.decisions if d.reason is not Reason.BLOCKED), decision),
         memory=situation.memory._replace(overtaking=step.overtaking),
@@ -258,7 +256,7 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
         memory = memory._replace(escapes=memory.escapes + 1)
     return orders._replace(
         instruction=way.instruction or orders.instruction,
-        stop=way.stop or orders.stop,
+        stops=orders.stops if way.stop is None else (way.stop,),
         request=orders.request if orders.request.what is not Replanning.NOTHING else Request(way.replanning),
         decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
         memory=memory,
@@ -279,7 +277,7 @@ def _completed(
         instruction=orders.instruction,
         tuning=_tuning(orders.instruction, style),
         constraints=constraints,
-        intent=_intent(orders.stop, situation),
+        intent=_intent(min(orders.stops, key=lambda stop: stop.s, default=None), situation),
         decisions=orders.decisions,
         request=orders.request,
         sight=_sight(situation, behaviour),
@@ -291,7 +289,7 @@ def _completed(
 
 def _limits_of(orders: Orders, changing: LaneChanging, snapshot: Snapshot) -> tuple[TimeConstraint, ...]:
     """Return what limits the ego beside the schedule: where to stop, whom to fall in behind, how slow to fall back."""
-    found = [] if orders.stop is None else [orders.stop]
+    found = list(orders.stops)
     if changing.slot:
         found.append(TimeConstraint(snapshot.front, reason=Reason.NO_GAP, behind=changing.slot))
     if orders.top_speed < math.inf:

@@ -44,6 +44,10 @@ class Passing(NamedTuple):
     merged: float
     speed: float
 
+    def later(self, delay: float) -> Passing:
+        """Return the passage of an ego that comes `delay` s later."""
+        return self._replace(arrival=self.arrival + delay, clearance=self.clearance + delay, merged=self.merged + delay)
+
 
 class Threat(NamedTuple):
     """When a foe is in the region: earliest `arrival`, `clearance`, `merged` (rear past the start), s from now."""
@@ -143,6 +147,18 @@ def _merges_before(own: Passing, foe: Foe, other: Threat, patience: float) -> bo
 
 def _merges_after(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
     """The foe ahead has left the start of the common stretch, and the ego need not brake hard behind it."""
+    return _merged_behind(own, foe, other, patience) < own.arrival
+
+
+def _merged_behind(own: Passing, foe: Foe, other: Threat, patience: float) -> float:
+    """When the ego may come behind a foe onto the common stretch, s from now."""
     closing = max(0.0, own.speed - foe.user.speed)
     to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(own.speed, 1.0)
-    return other.merged + (GAP_AFTER_S + to_adapt) * patience < own.arrival
+    return other.merged + (GAP_AFTER_S + to_adapt) * patience
+
+
+def follows_at(own: Passing, foe: Foe, other: Threat) -> float:
+    """Return when the ego may be in the region after a foe that goes on as foreseen, s from now."""
+    if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
+        return _merged_behind(own, foe, other, 1.0)
+    return other.clearance + GAP_AFTER_S

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
+from dataclasses import replace
 from enum import Enum
 from typing import NamedTuple
 
+from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
@@ -39,18 +41,22 @@ HIGHWAY_CODE: frozenset[Rule] = frozenset(Rule)
 
 class Rules(NamedTuple):
     """Every place to stop at, the decisions to go on although somebody comes, the regions of the next passage; `judged`:
-    the ids of the foes who matter at any passage."""
+    the ids of the foes who matter at any passage; `arrivals`: when the ego may be where it goes after somebody; `met`: whom
+    it would meet first in a region if it went on."""
 
     stops: tuple[Wait, ...]
     passes: tuple[Decision, ...]
     regions: tuple[RegionState, ...]
     judged: frozenset[str]
+    arrivals: tuple[TimeConstraint, ...] = ()
+    met: Encounter | None = None
 
     @property
     def gist(self) -> Hashable:
         """Where to stop and why, whom to go before or after: the same as long as the ego has the same to do."""
-        passed = ((decision.reason, decision.region, decision.cause) for decision in self.passes)
-        return tuple(stop for stop, _ in self.stops), frozenset(passed)
+        passed = frozenset((decision.reason, decision.region, decision.cause) for decision in self.passes)
+        due = (*(stop for stop, _ in self.stops), *self.arrivals)
+        return tuple(replace(one, time=float(round(one.time))) if one.time < math.inf else one for one in due), passed
 
 
 def ask(
@@ -87,7 +93,9 @@ def ask(
     passes = tuple(decision for rules in found for decision in rules.passes)
     regions = tuple(state for rules in found for state in rules.regions)
     judged = frozenset(user_id for rules in found for user_id in rules.judged)
-    return Rules(tuple(stops), passes, regions, judged), memory
+    arrivals = tuple(one for rules in found for one in rules.arrivals)
+    first = next((rules.met for rules in found if rules.met is not None), None)
+    return Rules(tuple(stops), passes, regions, judged, arrivals, first), memory
 
 
 def _passage(
@@ -104,12 +112,13 @@ def _passage(
         at_line, late, memory = stop_line.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
     found = list(region.judgements(way, foes, snapshot, memory, limits)) if Rule.REGION in asked else []
-    waits = [
-        (stop_at(place, judgement.reason, judgement.region, judgement.foe.user.id), judgement.decision)
-        for judgement, place in found
-        if place is not None
-    ]
-    stops.extend([min(waits, key=lambda wait: wait[0].s)] if waits else [])
+    waits = [(place, judgement) for judgement, place in found if place is not None]
+    met = None
+    if waits:
+        place, first = min(waits, key=lambda wait: wait[0])
+        until = snapshot.time + region.opens_at((judgement for judgement, _ in found), place, way, view)
+        stops.append((stop_at(place, first.reason, first.region, first.foe.user.id, until), first.decision))
+        met = region.encounter_of(min((one for _, one in waits), key=lambda one: one.own.arrival), way, view)
     blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits) if Rule.POST_CONFLICT in asked else ""
     if blocker:
         stop = stop_at(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
@@ -117,7 +126,8 @@ def _passage(
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
     states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found])
     judged = frozenset(judgement.foe.user.id for judgement, _ in found)
-    return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged), memory
+    arrivals = () if waits else tuple(region.arrivals_of((judgement for judgement, _ in found), way, snapshot))
+    return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged, arrivals, met), memory
 
 
 def _is_worth_a_word(judgement: region.Judgement) -> bool:

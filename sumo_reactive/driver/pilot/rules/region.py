@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from sumo_reactive.driver.nouns.assessment import Encounter
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -21,6 +24,7 @@ from sumo_reactive.driver.parameters import (
     MAX_ACCELERATION_IN_PLAN,
     OFF_THE_LINE_M,
     REGION_MARGIN_M,
+    ROLLING_S,
     SIGN_STOP_DECELERATION,
     STANDING_SPEED,
     TWO_WHEELER_WIDTH_M,
@@ -28,14 +32,26 @@ from sumo_reactive.driver.parameters import (
     WAIT_SHIFT_M,
     ZIPPER_LEAD_M,
 )
+from sumo_reactive.driver.pilot.assessment import would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Crossing
-from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, is_enough, passing, stopping_behind, threat, turning
+from sumo_reactive.driver.pilot.passages import Crossing, View
+from sumo_reactive.driver.pilot.rules.gaps import (
+    Passing,
+    Threat,
+    follows_at,
+    passing,
+    stopping_behind,
+    threat,
+    turning,
+)
 from sumo_reactive.driver.pilot.rules.lights import holds_back, letter_of, outranks
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind
+
+_SOON_S = 0.01
+"""Later than just enough."""
 
 
 class Judgement(NamedTuple):
@@ -75,6 +91,40 @@ def judgements(
         judgement = judge(foe, crossing, snapshot, memory, limits)
         if judgement is not None:
             yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
+
+
+def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view: View) -> float:
+    """Return in how many seconds the ego can pass `place` (m of C) and meet nobody who is `judged` at a passage, if they go
+    on as foreseen: after the first ones, and before those for whom the gap is enough; infinite: not within ROLLING_S."""
+    snapshot, limits = view.snapshot, view.limits
+    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
+    soonest = travel_time(place - snapshot.front, snapshot.ego.speed, acceleration, crossing.pace)
+    time, left = soonest, list(judged)
+    while time < ROLLING_S:
+        met = [one for one in left if would_meet(one.own.later(time - soonest), one.foe, one.other, 1.0, may_follow=True)]
+        if not met:
+            return time
+        time = max(time, *(follows_at(one.own, one.foe, one.other) - (one.own.arrival - soonest) for one in met)) + _SOON_S
+        left = [one for one in left if one not in met]
+    return math.inf
+
+
+def arrivals_of(judged: Iterable[Judgement], crossing: Crossing, snapshot: Snapshot) -> Iterator[TimeConstraint]:
+    """Yield when the ego may be in the regions that it passes after somebody: no earlier than he has cleared them."""
+    for one in judged:
+        follows = follows_at(one.own, one.foe, one.other)
+        if one.passes and follows < one.own.arrival < ROLLING_S:
+            place = crossing.at(one.foe.conflict.region.own.start)
+            yield TimeConstraint(
+                place, snapshot.time + follows, reason=one.reason, region=one.region, cause=one.foe.user.id
+            )
+
+
+def encounter_of(judgement: Judgement, crossing: Crossing, view: View) -> Encounter:
+    """Return who, when and where the ego would meet if it went on in spite of a judgement."""
+    s, snapshot = crossing.at(judgement.foe.conflict.region.own.start), view.snapshot
+    x, y, _ = view.plan.curve.at(s)
+    return Encounter(judgement.foe.user.id, snapshot.time + judgement.own.arrival, s, x, y)
 
 
 def without_queues(foes: tuple[Foe, ...]) -> tuple[Foe, ...]:
@@ -127,8 +177,8 @@ def judge(
     if not may_follow and _leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
         may_follow = True
         own = own._replace(arrival=travel_time(to_region, snapshot.ego.speed, limits.max_acceleration, crossing.pace))
-    passes = is_enough(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
-    return Judgement(_reason(foe), foe, passes, own, other)
+    meets = would_meet(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
+    return Judgement(_reason(foe), foe, not meets, own, other)
 
 
 def _entry(conflict: Conflict, crossing: Crossing) -> float:
