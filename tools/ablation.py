@@ -256,7 +256,7 @@ def _kinds(folder: Path) -> Iterator[tuple[str, Scenario]]:
     parked = k.stream("p", "ab", [0] * 8, departPos="stop", departSpeed=0, stops=halt)
     bikes = k.stream("b", "ab", [0, 2, 4, 6, 8], type="bike", departLane=1, departPosLat="right", departPos=60)
     ego = k.car("ego", "ab", 3, departLane=0)
-    yield _kind(k, folder, "between bicycles and parked cars", between, parked, bikes, ego, extra=bay)
+    yield _kind(k, folder, "bicycles and parked cars beside", between, parked, bikes, ego, extra=bay)
     halts = k.car("x", "ab", 0, k.stop("ab_0", 160, duration=10000), departPos=10, departSpeed=5)
     yield _kind(k, folder, "too near to pass", k.road(320, numLanes=2), halts, k.car("ego", "ab", 1.2, departLane=0))
     jam = k.standing("jam", "ce", "ce_0", 5.5, 30)
