@@ -555,6 +555,12 @@ SHADOW_SCALE = 1.0
 SHADOW_HORIZON_M = 40.0
 """Obstacles farther away cast no potential."""
 
+CLEARANCE_M = 1.2
+"""Room that the ego likes to have beside whom it passes; cars in the middles of lanes of 2.8 m have it."""
+
+MAX_LEAN_M = 0.4
+"""It takes it inside its lane, this far beside C at most."""
+
 COLLISION_HORIZON_S = 0.7
 """Predicted footprints are tested this far; beyond, the others' headings no longer hold and the regions decide."""
 

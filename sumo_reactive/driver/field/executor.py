@@ -353,7 +353,7 @@ def _choose(
     acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
         car, grid.accelerations, grid.steering_rates, grid.rounds, period, room, *aims,
         curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
-        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room,
     )  # fmt: skip
     potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
     state = VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)

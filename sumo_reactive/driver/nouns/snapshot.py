@@ -87,7 +87,8 @@ class Snapshot(NamedTuple):
     width, turn rate (rad/s), way left on the road (m) of every user near (front bumper centre). `static` (k, 2): points of
     O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: none while the pilot's decision rests on
     none. `lights`: letters by light id. `passages`: indices of the plan's passages in sight. `cut`: the next place, on a
-    road, where the body will cover the lane beside; `neighbours` are then those on that lane.
+    road, where the body will cover the lane beside; `neighbours` are then those on that lane. `room`: how far the ego may
+    lean to the left and right of C inside its lane, m.
     """
 
     time: float
@@ -104,3 +105,4 @@ class Snapshot(NamedTuple):
     lights: Mapping[str, str]
     passages: tuple[int, ...] = ()
     cut: Cut | None = None
+    room: tuple[float, float] = (0.0, 0.0)

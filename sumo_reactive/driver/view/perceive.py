@@ -29,6 +29,7 @@ from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxe
 from sumo_reactive.driver.view.cuts import next_cut
 from sumo_reactive.driver.view.foes import foes_of
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
+from sumo_reactive.driver.view.lane_room import lane_room
 from sumo_reactive.driver.view.leaders import FASTER, comes_towards, leaders, time_to_meet
 from sumo_reactive.driver.view.static import static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -79,7 +80,10 @@ def perceive(
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
     lights = traffic.lights
-    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
+    room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
+    return Snapshot(
+        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut, room
+    )  # fmt: skip
 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Array:
