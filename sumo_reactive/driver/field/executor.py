@@ -159,7 +159,8 @@ def _braking(speed: float, final: float, away: float, room: float, limits: Vehic
     """
     planned = limits.planned_deceleration
     needed = _needed(speed, final, max(away, BRAKING_SHARE * room), limits)
-    if needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY:
+    is_late = needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY
+    if is_late and has(Mechanism.ROOM_TO_STOP):
         return _Braking(needed, is_pressing=True, is_emergency=True)
     onset = (speed - final) * planned / (2.0 * COMFORT_JERK)
     is_pressing = speed * speed - final * final > 2.0 * planned * max(room - onset, 0.0) and speed > final
