@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.geometry.polyline import BEYOND, foot
 
 Array = NDArray[np.float64]
 
@@ -63,23 +63,17 @@ def project_on_curve(
     x: float, y: float, cx: Array, cy: Array, step: float, s_guess: float, window: float
 ) -> tuple[float, float]:
     """Return (s, d): closest point of C within `window` m of `s_guess`, and the signed distance, left positive (m)."""
-    first = max(0, int((s_guess - window) / step))
-    last = min(len(cx) - 2, int((s_guess + window) / step))
-    best = 1e18
-    s = s_guess
-    d = 0.0
-    for i in range(first, last + 1):
-        ex, ey = cx[i + 1] - cx[i], cy[i + 1] - cy[i]
-        px, py = x - cx[i], y - cy[i]
-        squared = ex * ex + ey * ey
-        t = (px * ex + py * ey) / squared
-        low = -1e9 if i == 0 else 0.0
-        high = 1e9 if i == len(cx) - 2 else 1.0
-        t = min(max(t, low), high)
-        dx, dy = px - t * ex, py - t * ey
-        away = dx * dx + dy * dy
-        if away < best:
-            best = away
-            s = (i + t) * step
-            d = math.copysign(math.sqrt(away), ex * py - ey * px)
-    return s, d
+    first, last = max(0, int((s_guess - window) / step)), min(len(cx) - 2, int((s_guess + window) / step))
+    if last < first:
+        return s_guess, 0.0
+    i, share, away = foot(cx, cy, x, y, first, last, BEYOND)
+    return (i + share) * step, away
+
+
+@kernel
+def project_each(points: Array, cx: Array, cy: Array, step: float, guesses: Array, window: float) -> Array:
+    """Return the arc lengths (n,), m, of C closest to `points` (n, 2), each within `window` m of its guess."""
+    found = np.empty(len(points))
+    for k in range(len(points)):
+        found[k], _ = project_on_curve(points[k, 0], points[k, 1], cx, cy, step, guesses[k], window)
+    return found

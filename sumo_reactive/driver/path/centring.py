@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
-from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.polyline import Points, moved_aside
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, moved_aside
+from sumo_reactive.driver.geometry.swept import off_tracking
 from sumo_reactive.driver.parameters import CURVE_STEP_M, MAX_CENTRING_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
@@ -33,8 +31,9 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
     axle is inside (then front and rear leave it alike), at most by MAX_CENTRING_M, and only as far as the front bumper
     stays near the lane: on the side of oncoming traffic (the right if `left_hand`) within it, but for BEYOND_M.
     """
-    steps = np.ascontiguousarray(line), limits.wheelbase, limits.front_overhang, CURVE_STEP_M
-    rear, bumper = _drawn(*steps)
+    ahead = np.gradient(line, axis=0)
+    headings, (xs, ys) = np.arctan2(ahead[:, 1], ahead[:, 0]), Polyline(line).columns
+    rear, bumper = off_tracking(xs, ys, headings, CURVE_STEP_M, headings[0], limits.wheelbase, limits.front_overhang)
     half = 0.5 * limits.width
     excess = np.abs(rear) + half - BEYOND_M - half_widths
     if not (excess > 0.0).any():
@@ -54,38 +53,3 @@ def eased_in(shift: Floats, reach: int) -> Floats:
     for _ in range(2):
         found = uniform_filter1d(found, reach, mode="nearest")
     return np.where(np.abs(found) < LEAST_M, 0.0, found)
-
-
-@kernel
-def _drawn(line: Points, wheelbase: float, overhang: float, step: float) -> tuple[Floats, Floats]:
-    """Return how far (n,), m, rear axle and front bumper pass to the left of each point while the front axle follows
-    `line` (n, 2)."""
-    n = len(line)
-    rear, bumper = np.zeros(n), np.zeros(n)
-    dx, dy = line[1, 0] - line[0, 0], line[1, 1] - line[0, 1]
-    away = math.hypot(dx, dy)
-    rx, ry = line[0, 0] - wheelbase * dx / away, line[0, 1] - wheelbase * dy / away
-    behind, ahead = int(1.5 * wheelbase / step) + 1, int(1.5 * overhang / step) + 1
-    for i in range(n):
-        dx, dy = line[i, 0] - rx, line[i, 1] - ry
-        away = max(math.hypot(dx, dy), 1e-6)
-        dx, dy = dx / away, dy / away
-        rx, ry = line[i, 0] - wheelbase * dx, line[i, 1] - wheelbase * dy
-        _note(line, rear, rx, ry, max(i - behind, 0), i)
-        _note(line, bumper, line[i, 0] + overhang * dx, line[i, 1] + overhang * dy, i, min(i + ahead, n - 1))
-    return rear, bumper
-
-
-@kernel
-def _note(line: Points, found: Floats, x: float, y: float, first: int, last: int) -> None:
-    """Note in `found` (n,) how far (m) x, y is to the left of the nearest point of `line` from index `first` to `last`."""
-    nearest, least = first, np.inf
-    for j in range(first, last + 1):
-        squared = (line[j, 0] - x) ** 2 + (line[j, 1] - y) ** 2
-        if squared < least:
-            nearest, least = j, squared
-    a, b = max(nearest - 1, 0), min(nearest + 1, len(line) - 1)
-    wx, wy = line[b, 0] - line[a, 0], line[b, 1] - line[a, 1]
-    aside = (wx * (y - line[nearest, 1]) - wy * (x - line[nearest, 0])) / max(math.hypot(wx, wy), 1e-6)
-    if 0 < nearest < len(line) - 1 and abs(aside) > abs(found[nearest]):
-        found[nearest] = aside

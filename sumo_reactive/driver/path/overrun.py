@@ -45,7 +45,7 @@ def overrun_of(graph: RoadGraph, connection_id: str) -> Overrun | None:
         return None
     back = Polyline(joined([way.path.points, behind.spine.points]))
     at = np.arange(BEGUN_M, min(back.length, way.path.length + REACH_M), CURVE_STEP_M)
-    places = np.column_stack([np.interp(at, back.arc_lengths, back.points[:, k]) for k in (0, 1)])
+    places = back.points_at(at)
     aside, along = own.spine.offsets(places), own.spine.arc_lengths_at(places)
     beside = (along > 0.0) & (along < own.spine.length)
     crosses = np.flatnonzero((aside[1:] * aside[:-1] < 0.0) & beside[1:]) + 1

@@ -133,9 +133,9 @@ class Reference:
         self.follow(lane, index, at, begin)
         start = self.length
         old = resampled(cut(lane.spine, begin, begin + length))
-        feet, new = project_all(following.spine, old)
+        feet = following.spine.arc_lengths_at(old)
         share = np.linspace(0.0, 1.0, len(old))[:, None]
-        line = old + (new - old) * eased(share)
+        line = old + (following.spine.points_at(feet) - old) * eased(share)
         half = len(line) // 2
         self._append(line[: half + 1])
         self.pieces.append(Piece(following, index, self.length, float(feet[half])))
@@ -153,22 +153,11 @@ class Reference:
         self.points.append(chunk)
 
 
-def project_all(line: Polyline, points: Points) -> tuple[Points, Points]:
-    """Return (arc lengths (n,), feet (n, 2)) of the closest points of `line` to `points` (n, 2)."""
-    a, way = line.points[:-1], np.diff(line.points, axis=0)
-    squared = np.maximum((way**2).sum(axis=1), 1e-12)
-    t = np.clip(((points[:, None, :] - a) * way).sum(axis=2) / squared, 0.0, 1.0)
-    feet = a + t[..., None] * way
-    nearest = np.argmin(((points[:, None, :] - feet) ** 2).sum(axis=2), axis=1)
-    rows = np.arange(len(points))
-    return line.arc_lengths[nearest] + t[rows, nearest] * np.sqrt(squared[nearest]), feet[rows, nearest]
-
-
 def resampled(points: Points) -> Points:
     """Return `points` at even arc length, about CURVE_STEP_M apart, ends kept, at least five of them."""
     line = Polyline(points)
     s = np.linspace(0.0, line.length, max(int(line.length / CURVE_STEP_M) + 1, 5))
-    return np.column_stack([np.interp(s, line.arc_lengths, points[:, k]) for k in (0, 1)])
+    return line.points_at(s)
 
 
 def _end_on(lane: Lane, step: LaneStep) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from sumo_reactive.driver.geometry.angle import wrapped
-from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.curve import Curve, project_each
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, moved_aside
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
 from sumo_reactive.driver.parameters import (
@@ -74,7 +74,7 @@ def trajectory(
     """
     centre = _centre_line(reference)
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
-    line = _points_at(centre, u)
+    line = centre.points_at(u)
     if aside is not None:
         line = moved_aside(line, lateral_of(aside, u))
     start = reference.pieces[0].lane.width
@@ -90,7 +90,7 @@ def trajectory(
     fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
-    feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
+    feet = _feet(centre.points_at(places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
     return Trajectory(curve, places, feet, float(np.interp(blend, places, feet)))
 
 
@@ -113,11 +113,6 @@ def _centre_line(reference: Reference) -> Polyline:
     if reference.goal is not None or line.length <= PLAN_HORIZON_M:
         return line
     return Polyline(cut(line, 0.0, PLAN_HORIZON_M))
-
-
-def _points_at(line: Polyline, u: Floats) -> Points:
-    """Return the points (n, 2) of `line` at arc lengths `u` (n,), m."""
-    return np.column_stack([np.interp(u, line.arc_lengths, line.points[:, k]) for k in (0, 1)])
 
 
 def _met_from(
@@ -185,14 +180,8 @@ def _feet(points: Points, u: Floats, curve: Curve, guess: Floats) -> Floats:
 
     Smoothing moves samples along the line too: into a turn that it shortens, by up to 0.3 m on either side.
     """
-    samples = np.column_stack([curve.x, curve.y])
-    reach = int(FOOT_REACH_M / curve.step)
-    k = np.clip((guess / curve.step).astype(int)[:, None] + np.arange(-reach, reach + 1), 0, len(samples) - 2)
-    way, off = samples[k + 1] - samples[k], points[:, None, :] - samples[k]
-    share = np.clip((off * way).sum(axis=2) / np.maximum((way**2).sum(axis=2), 1e-12), 0.0, 1.0)
-    nearest = np.argmin(((off - share[..., None] * way) ** 2).sum(axis=2), axis=1)
-    rows, least = np.arange(len(points)), MIN_STRETCH * u
-    found = curve.step * (k[rows, nearest] + share[rows, nearest])
+    found = np.maximum(project_each(points, curve.x, curve.y, curve.step, guess, FOOT_REACH_M), 0.0)
+    least = MIN_STRETCH * u
     return np.asarray(np.minimum(np.maximum.accumulate(found - least) + least, curve.length))
 
 

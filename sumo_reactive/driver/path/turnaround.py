@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import Move
 from sumo_reactive.driver.parameters import (
     CURVE_STEP_M,
@@ -26,7 +27,7 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.path.trajectory import trajectory
-from sumo_reactive.driver.path.turning import U_TURN_RAD, steering_along
+from sumo_reactive.driver.path.turning import U_TURN_RAD
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection

@@ -13,6 +13,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
 from sumo_reactive.driver.geometry.polyline import Points
+from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.parameters import CURVE_STEP_M, MAX_STEERING_PER_M, STEERING_MARGIN, TURN_REACH
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
@@ -88,20 +89,6 @@ def turnable(
         result[part] = _refitted(points[part], line[part], body, float(angles[first]))
         index[part] = first + _nearest(result[part], line[part])
     return result, np.maximum.accumulate(index)
-
-
-def steering_along(headings: Floats, steps: Floats, wheelbase: float, angle: float) -> Floats:
-    """Return the steering angle (n,), rad, with which the front axle takes `steps` (n,), m, along `headings` (n,).
-
-    The body is drawn along: on a straight step tan(φ/2) falls by exp(−step/L). `angle` (rad) is φ on the first step.
-    """
-    found, before = np.empty(len(headings)), float(headings[0])
-    shrink = np.exp(-steps / wheelbase).tolist()
-    for k, heading in enumerate(headings.tolist()):
-        if k:
-            angle = 2.0 * math.atan(shrink[k - 1] * math.tan(0.5 * angle)) + heading - before
-        found[k], before = angle, heading
-    return found
 
 
 def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:

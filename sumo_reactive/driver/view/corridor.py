@@ -7,10 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.swept import off_tracking
 from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, NEAR_M, PLANS_KEPT, STANDING_SPEED, TURN_FORESEEN_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
@@ -49,40 +51,10 @@ def band_along(curve: Curve, width: float, wheelbase: float, overhang: float) ->
     bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
     heading = float(curve.heading[0]) - angle
-    left, right = _swept(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, overhang)
-    left, right = (half + np.maximum(side, CORRIDOR_MARGIN_M) for side in (left, right))
+    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, overhang)
+    reach = np.maximum(np.max(sides, axis=0), CORRIDOR_MARGIN_M), np.maximum(-np.min(sides, axis=0), CORRIDOR_MARGIN_M)
+    left, right = (half + maximum_filter1d(side, 3) for side in reach)  # between two samples it is as wide as at the wider
     return Band(left, right, float(max(left.max(), right.max())))
-
-
-@kernel
-def _swept(
-    cx: Array, cy: Array, ch: Array, step: float, heading: float, wheelbase: float, overhang: float
-) -> tuple[Array, Array]:
-    """Return how far (n,), m, the middle of rear axle or front bumper passes to the left and to the right of each sample.
-
-    `heading` (rad) is the body's at the first. The rear axle is drawn along the body (F&L 1991, §3.1).
-    """
-    n = len(cx)
-    left, right = np.zeros(n), np.zeros(n)
-    rx, ry = cx[0] - wheelbase * math.cos(heading), cy[0] - wheelbase * math.sin(heading)
-    behind, ahead = int(wheelbase / step) + 1, int(overhang / step) + 1
-    for i in range(n):
-        dx, dy = cx[i] - rx, cy[i] - ry
-        away = math.hypot(dx, dy)
-        rx, ry = cx[i] - wheelbase * dx / away, cy[i] - wheelbase * dy / away
-        if abs(dx * math.sin(ch[i]) - dy * math.cos(ch[i])) < 0.02 * away:  # straight: the body stays on C
-            continue
-        bx, by = cx[i] + overhang * dx / away, cy[i] + overhang * dy / away
-        for px, py, first, last in ((rx, ry, i - behind, i), (bx, by, i, i + ahead)):
-            nearest, least = i, np.inf
-            for j in range(max(first, 0), min(last, n - 1) + 1):
-                squared = (cx[j] - px) ** 2 + (cy[j] - py) ** 2
-                if squared < least:
-                    nearest, least = j, squared
-            aside = (py - cy[nearest]) * math.cos(ch[nearest]) - (px - cx[nearest]) * math.sin(ch[nearest])
-            for j in range(max(nearest - 1, 0), min(nearest + 1, n - 1) + 1):
-                left[j], right[j] = max(left[j], aside), max(right[j], -aside)
-    return left, right
 
 
 @kernel

@@ -40,8 +40,7 @@ def border(lane: Lane, side: float) -> Array:
     """Return points (n, 2), m, on a lane's left (`side` = 1) or right border (−1), as its driver sees it."""
     spine = lane.spine
     s = np.linspace(0.0, spine.length, 1 + max(1, math.ceil(spine.length / BORDER_STEP_M)))
-    line = np.column_stack([np.interp(s, spine.arc_lengths, spine.points[:, k]) for k in (0, 1)])
-    return moved_aside(line, np.full(len(s), 0.5 * side * lane.width))
+    return moved_aside(spine.points_at(s), np.full(len(s), 0.5 * side * lane.width))
 
 
 def _across(graph: RoadGraph, edge_id: str) -> list[tuple[Lane, float]]:

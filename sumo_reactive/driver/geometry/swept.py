@@ -1,0 +1,64 @@
+"""What a body sweeps beside the line that its front axle follows: the rear axle is towed (F&L 1991, §3.1)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.geometry.polyline import nearest_point
+
+Floats = NDArray[np.float64]
+
+ARC_SHARE = 1.5
+"""The way along a line between two places is no longer than so many times their distance, in any bend that is driven."""
+
+
+@kernel
+def off_tracking(
+    xs: Floats, ys: Floats, headings: Floats, step: float, heading: float, wheelbase: float, overhang: float
+) -> tuple[Floats, Floats]:
+    """Return how far (n,), m, rear axle and front bumper pass to the left of each sample of a line, at most.
+
+    The front axle follows the line, `xs`, `ys` (n,), m, sampled every `step` m, which leads along `headings` (n,); the body
+    has `heading` (rad) at the first sample. `wheelbase` and front `overhang` in m.
+    """
+    n = len(xs)
+    rear, bumper = np.zeros(n), np.zeros(n)
+    rx, ry = xs[0] - wheelbase * math.cos(heading), ys[0] - wheelbase * math.sin(heading)
+    behind, ahead = int(ARC_SHARE * wheelbase / step) + 1, int(ARC_SHARE * overhang / step) + 1
+    for i in range(n):
+        dx, dy = xs[i] - rx, ys[i] - ry
+        away = max(math.hypot(dx, dy), 1e-6)
+        dx, dy = dx / away, dy / away
+        rx, ry = xs[i] - wheelbase * dx, ys[i] - wheelbase * dy
+        _note(xs, ys, headings, rear, rx, ry, max(i - behind, 0), i)
+        _note(xs, ys, headings, bumper, xs[i] + overhang * dx, ys[i] + overhang * dy, i, min(i + ahead, n - 1))
+    return rear, bumper
+
+
+@kernel
+def _note(
+    xs: Floats, ys: Floats, headings: Floats, found: Floats, x: float, y: float, first: int, last: int
+) -> None:
+    """Note in `found` (n,) how far (m) (x, y) is to the left of the nearest sample from index `first` to `last`."""
+    i = nearest_point(xs, ys, x, y, first, last)
+    aside = (y - ys[i]) * math.cos(headings[i]) - (x - xs[i]) * math.sin(headings[i])
+    if abs(aside) > abs(found[i]):
+        found[i] = aside
+
+
+def steering_along(headings: Floats, steps: Floats, wheelbase: float, angle: float) -> Floats:
+    """Return the steering angle (n,), rad, with which the front axle takes `steps` (n,), m, along `headings` (n,).
+
+    The body is drawn along: on a straight step tan(φ/2) falls by exp(−step/L). `angle` (rad) is φ on the first step.
+    """
+    found, before = np.empty(len(headings)), float(headings[0])
+    shrink = np.exp(-steps / wheelbase).tolist()
+    for k, heading in enumerate(headings.tolist()):
+        if k:
+            angle = 2.0 * math.atan(shrink[k - 1] * math.tan(0.5 * angle)) + heading - before
+        found[k], before = angle, heading
+    return found
