@@ -9,7 +9,7 @@ from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.cuts import cuts_of, lane_at_side
+from sumo_reactive.driver.view.corridor import cuts_of, lane_at_side
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 

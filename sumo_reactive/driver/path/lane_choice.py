@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import LaneSegment, WayBeside
 from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
 from sumo_reactive.driver.world.junction import Connection
-from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.opposite import separation
+from sumo_reactive.driver.world.lane import Lane, separation
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import PlanError
@@ -197,3 +198,26 @@ def _stages(graph: RoadGraph, route: Route) -> Iterator[Stage]:
         yield Stage(i, lanes, start, max(arrival, start), route.arrival_lane, left_hand=graph.left_hand)
     if pending:
         raise PlanError(f"scheduled stop on lane '{pending[0].lane_id}' at {pending[0].position:.1f} m is not on the route")
+
+
+def ways_beside(choice: LaneChoice, segments: tuple[LaneSegment, ...]) -> Mapping[int, tuple[WayBeside, ...]]:
+    """Return, by route index, the lanes beside C by which the route can be driven with no change back on that edge.
+
+    Where C itself changes lanes on an edge, there are none: that change comes first.
+    """
+    lanes = [segment for segment in segments if not choice.graph.lanes[segment.lane_id].is_internal]
+    times = Counter(segment.route_index for segment in lanes)
+    found = {one.route_index: tuple(_beside(choice, one)) for one in lanes if times[one.route_index] == 1}
+    return {index: ways for index, ways in found.items() if ways}
+
+
+def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[WayBeside]:
+    own, left_hand = choice.graph.lanes[segment.lane_id], choice.graph.left_hand
+    number = choice.stage_at(segment.route_index, segment.lane_offset / own.scale)
+    lanes, onward = choice.stages[number].lanes, choice.onward[number]
+    for index in (own.index + 1, own.index - 1):
+        if not 0 <= index < len(lanes) or onward[index].cost == math.inf:
+            continue
+        if may_change(own, lanes[index], choice.vehicle_class, left_hand):
+            side = -1 if (index > own.index) == left_hand else 1
+            yield WayBeside(own.id, lanes[index].id, side, 1.0 + onward[index].cost - onward[own.index].cost)

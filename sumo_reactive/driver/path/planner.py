@@ -11,13 +11,12 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
-from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, may_change
+from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, may_change, ways_beside
 from sumo_reactive.driver.path.lane_path import lane_path
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
-from sumo_reactive.driver.path.trajectory import Trajectory, lane_limits, trajectory
+from sumo_reactive.driver.path.trajectory import Trajectory, lanes_at, trajectory
 from sumo_reactive.driver.path.turnaround import leads_back, road_around, turn_in_moves
-from sumo_reactive.driver.path.ways_beside import ways_beside
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -172,7 +171,7 @@ def _on_curve(
     """Return the plan: the reference's places carried over to C, its speeds and times."""
     curve, s = course.curve, course.s
     arc = CURVE_STEP_M * np.arange(len(curve.x), dtype=np.float64)
-    pace = lane_limits(reference.pieces, course.reference_at(arc), start.speed_factor)
+    pace = lanes_at(reference.pieces, course.reference_at(arc))[0] * start.speed_factor
     turnarounds = tuple(replace(turn, start=s(turn.start), line=s(turn.line), end=s(turn.end)) for turn in turns)
     for turn in turnarounds:
         pace[(turn.line < arc) & (arc < turn.end)] = turn.pace

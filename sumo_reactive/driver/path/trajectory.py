@@ -9,26 +9,31 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.linalg import solveh_banded
+from scipy.ndimage import maximum_filter1d
 
 from sumo_reactive.driver.geometry.angle import wrapped
 from sumo_reactive.driver.geometry.curve import Curve, project_each
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, moved_aside
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
 from sumo_reactive.driver.parameters import (
+    COMFORT_DEVIATION_M,
     CURVE_STEP_M,
     MAX_START_BLEND_M,
     MAX_SWING_OUT_M,
     MIN_START_BLEND_M,
     MIN_STEP_LATERAL,
     PLAN_HORIZON_M,
+    SMOOTHING_GROWTH,
+    SMOOTHING_LENGTH_M,
+    SMOOTHING_PASSES,
+    SMOOTHING_REACH_M,
 )
-from sumo_reactive.driver.path.centring import centred
+from sumo_reactive.driver.path.aside import centred, clear_of_others
 from sumo_reactive.driver.path.reference import Piece, Reference
-from sumo_reactive.driver.path.smoothing import curvature_of, smoothed
 from sumo_reactive.driver.path.turning import turnable
-from sumo_reactive.driver.path.waiting import clear_of_waiting
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.vehicle.side_step import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
+from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +42,9 @@ FOOT_REACH_M = 2.5
 
 MIN_STRETCH = 0.05
 """Least metres of C per metre of reference: inside a bend about a point of the line its places keep their order."""
+
+PINNED_LENGTH_M = 0.05
+"""Smoothing length of samples that must stay where they are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,11 +88,11 @@ def trajectory(
     start = reference.pieces[0].lane.width
     lanes, _ = _met_from(line, front, speed, start, limits)
     left_hand = reference.graph.left_hand
-    half_widths = _half_widths(reference.pieces, u)
-    line = clear_of_waiting(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
+    pace, half_widths = lanes_at(reference.pieces, u)
+    line = clear_of_others(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
     line, blend = _met_from(line, front, speed, start, limits)
-    pace = lane_limits(reference.pieces, u, speed_factor)
-    comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
+    pace = np.minimum(pace * speed_factor, limits.max_speed)
+    comfort = limits.comfort_lateral_acceleration / np.maximum(pace, 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
     kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
     fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand, kept)
@@ -94,17 +102,11 @@ def trajectory(
     return Trajectory(curve, places, feet, float(np.interp(blend, places, feet)))
 
 
-def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
-    """Return the lanes' speed limit times `speed_factor` (n,), m/s, at reference arc lengths `u` (n,)."""
-    starts = np.array([piece.u for piece in pieces])
-    index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
-    return np.asarray(np.array([piece.lane.speed_limit for piece in pieces])[index] * speed_factor)
-
-
-def _half_widths(pieces: list[Piece], u: Floats) -> Floats:
-    """Return half the lanes' width (n,), m, at reference arc lengths `u` (n,)."""
+def lanes_at(pieces: list[Piece], u: Floats) -> tuple[Floats, Floats]:
+    """Return the lanes' speed limits (n,), m/s, and half their widths (n,), m, at reference arc lengths `u` (n,)."""
     index = np.clip(np.searchsorted([piece.u for piece in pieces], u, side="right") - 1, 0, None)
-    return np.asarray(np.array([0.5 * piece.lane.width for piece in pieces])[index])
+    limits, halves = np.array([(piece.lane.speed_limit, 0.5 * piece.lane.width) for piece in pieces])[index].T
+    return limits, halves
 
 
 def _centre_line(reference: Reference) -> Polyline:
@@ -198,3 +200,53 @@ def _even(points: Points) -> tuple[Curve, Floats]:
     heading = np.unwrap(np.arctan2(dy, dx))
     curvature = (dx * ddy - dy * ddx) / np.maximum(np.hypot(dx, dy) ** 3, 1e-9)
     return Curve(np.ascontiguousarray(x), np.ascontiguousarray(y), heading, curvature, CURVE_STEP_M), arc
+
+
+def smoothed(line: Points, step: float, comfort_curvature: Floats) -> Points:
+    """Return `line` (n, 2), sampled every `step` m, made smooth; its first two samples stay.
+
+    Where |curvature| exceeds `comfort_curvature` (n,), 1/m, the line is loosened step by step, until it does not or
+    leaves the centre line by COMFORT_DEVIATION_M.
+    """
+    lengths = np.full(len(line), SMOOTHING_LENGTH_M)
+    stiffness = _third_difference_bands(len(line), step)
+    reach = 2 * int(SMOOTHING_REACH_M / step) + 1
+    result = _fitted(line, stiffness, lengths)
+    for _ in range(SMOOTHING_PASSES):
+        away = maximum_filter1d(np.hypot(*(result - line).T), reach)
+        tight = (np.abs(curvature_of(result)) > comfort_curvature) & (away < COMFORT_DEVIATION_M / SMOOTHING_GROWTH)
+        if not tight.any():
+            break
+        lengths = np.where(maximum_filter1d(tight, reach), lengths * SMOOTHING_GROWTH, lengths)
+        result = _fitted(line, stiffness, lengths)
+    return np.asarray(result)
+
+
+def curvature_of(points: Points) -> Floats:
+    """Return the signed curvature (n,), 1/m, of evenly sampled `points` (n, 2) by central differences."""
+    first = np.gradient(points, axis=0)
+    second = np.zeros_like(points)
+    second[1:-1] = points[2:] - 2.0 * points[1:-1] + points[:-2]
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    return np.asarray(cross / np.maximum(np.hypot(first[:, 0], first[:, 1]) ** 3, 1e-9))
+
+
+def _fitted(line: Points, stiffness: Floats, lengths: Floats) -> Points:
+    """Return argmin Σ ‖p − line‖² / length⁶ + Σ ‖third derivative of p‖², shape (n, 2)."""
+    weights = lengths**-6.0
+    weights[:2] = PINNED_LENGTH_M**-6.0
+    bands = stiffness.copy()
+    bands[-1] += weights
+    centre = line.mean(axis=0)
+    fitted: Points = solveh_banded(bands, weights[:, None] * (line - centre), check_finite=False)
+    return np.asarray(fitted + centre)
+
+
+def _third_difference_bands(n: int, step: float) -> Floats:
+    """Return the upper bands (4, n) of DᵀD for the third-derivative operator D on n samples."""
+    row = np.array([-1.0, 3.0, -3.0, 1.0])
+    bands = np.zeros((4, n))
+    for a in range(4):
+        for b in range(a, 4):
+            bands[3 - (b - a), b : b + n - 3] += row[a] * row[b]
+    return bands / step**6

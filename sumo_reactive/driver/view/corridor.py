@@ -1,4 +1,4 @@
-"""Which bodies reach into the corridor that the ego will sweep along C."""
+"""The corridor that the ego will sweep along C: which bodies reach into it, and where it covers the lane beside."""
 
 from __future__ import annotations
 
@@ -13,8 +13,20 @@ from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.swept import off_tracking
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, NEAR_M, PLANS_KEPT, STANDING_SPEED, TURN_FORESEEN_S
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Cut
+from sumo_reactive.driver.parameters import (
+    CORRIDOR_MARGIN_M,
+    CUT_M,
+    CUT_SIGHT_M,
+    NEAR_M,
+    PLANS_KEPT,
+    STANDING_SPEED,
+    TURN_FORESEEN_S,
+)
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 Array = NDArray[np.float64]
 
@@ -36,24 +48,19 @@ class Band(NamedTuple):
     widest: float
 
 
+@kept(PLANS_KEPT)
 def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     """Return the corridor that the body sweeps while the front axle follows C.
 
     In a bend the rear axle cuts the inside and the front bumper swings to the outside.
     """
-    return band_along(curve, limits.width, limits.wheelbase, limits.front_overhang)
-
-
-@kept(PLANS_KEPT)
-def band_along(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
-    """Return the corridor of a body of that `width`, `wheelbase` and front `overhang` (m)."""
-    half = 0.5 * width
+    half, wheelbase = 0.5 * limits.width, limits.wheelbase
     bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
     heading = float(curve.heading[0]) - angle
-    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, overhang)
-    reach = np.maximum(np.max(sides, axis=0), CORRIDOR_MARGIN_M), np.maximum(-np.min(sides, axis=0), CORRIDOR_MARGIN_M)
-    left, right = (half + maximum_filter1d(side, 3) for side in reach)  # between two samples it is as wide as at the wider
+    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, limits.front_overhang)
+    reach = np.max(sides, axis=0), -np.min(sides, axis=0)  # between two samples it is as wide as at the wider one
+    left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
     return Band(left, right, float(max(left.max(), right.max())))
 
 
@@ -110,24 +117,24 @@ def near_boxes(
 
 
 @kernel
-def blocked_stretches(
+def blocking_ones(
     boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
     right: Array, widest: float,
-) -> Array:  # fmt: skip
-    """Return (n, 4): first and last arc length that each box blocks (m; NaN if none), velocity along and across C (m/s).
+) -> tuple[NDArray[np.int64], Array]:  # fmt: skip
+    """Return which of `boxes` (n, 6: front x, y, heading, speed, length, width) block a stretch of C (m,), and (m, 4): the
+    first and last arc length that each blocks (m), its velocity along and across C (m/s).
 
-    `boxes` (n, 6): front x, y, heading, speed, length, width. The search runs from `start` to `end` along C and leaps
-    where the body is far. The corridor reaches `left` and `right` (m) of each sample, at most `widest`.
+    The search runs from `start` to `end` along C and leaps where the body is far. The corridor reaches `left` and `right`
+    (m) of each sample, at most `widest`.
     """
-    out = np.full((len(boxes), 4), np.nan)
-    low = max(0, int(start / step))
-    high = min(len(cx) - 1, int(end / step))
+    which, out, n = np.empty(len(boxes), dtype=np.int64), np.empty((len(boxes), 4)), 0
+    low, high = max(0, int(start / step)), min(len(cx) - 1, int(end / step))
     for k in range(len(boxes)):
         box = boxes[k]
         c, s = math.cos(box[2]), math.sin(box[2])
         mx, my = box[0] - 0.5 * box[4] * c, box[1] - 0.5 * box[4] * s
         radius = 0.5 * math.hypot(box[4], box[5]) + widest
-        i = low
+        i, blocks = low, False
         while i <= high:
             dx, dy = cx[i] - mx, cy[i] - my
             away = math.sqrt(dx * dx + dy * dy) - radius
@@ -137,24 +144,59 @@ def blocked_stretches(
             half, shift = 0.5 * (left[i] + right[i]), 0.5 * (left[i] - right[i])
             tx, ty = math.cos(ch[i]), math.sin(ch[i])
             if _cuts(cx[i] - shift * ty, cy[i] + shift * tx, tx, ty, half, box, c, s):
-                if np.isnan(out[k, 0]):
+                if not blocks:
+                    blocks, which[n] = True, k
                     touch = min(max(_first_touch(cx[i], cy[i], ch[i], box), -step), 0.0)
-                    out[k, 0] = i * step + (touch if i > low else 0.0)
-                    out[k, 2] = box[3] * math.cos(box[2] - ch[i])
-                    out[k, 3] = box[3] * math.sin(box[2] - ch[i])
-                out[k, 1] = i * step
-            elif not np.isnan(out[k, 0]):
+                    out[n, 0] = i * step + (touch if i > low else 0.0)
+                    out[n, 2], out[n, 3] = box[3] * math.cos(box[2] - ch[i]), box[3] * math.sin(box[2] - ch[i])
+                out[n, 1] = i * step
+            elif blocks:
                 break
             i += 1
-    return out
+        n += blocks
+    return which[:n], out[:n]
 
 
-@kernel
-def blocking_ones(
-    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
-    right: Array, widest: float,
-) -> tuple[NDArray[np.int64], Array]:  # fmt: skip
-    """Return which of `boxes` block a stretch (m,), and their rows of `blocked_stretches` (m, 4)."""
-    stretches = blocked_stretches(boxes, cx, cy, ch, step, start, end, left, right, widest)
-    blocking = np.flatnonzero(~np.isnan(stretches[:, 0]))
-    return blocking, stretches[blocking]
+@kept(PLANS_KEPT)
+def cuts_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Cut, ...]:
+    """Return where the body covers lanes beside its own while the front axle follows C, in order along C.
+
+    Where C itself leads from lane to lane it cuts into none.
+    """
+    curve, band, found = plan.curve, band_of(plan.curve, limits), []
+    places = np.column_stack((curve.x, curve.y))
+    for g in plan.segments:
+        first, end = max(int(g.start / curve.step) + 1, 0), min(int(g.end / curve.step), len(curve.x))
+        if first >= end or any(change.start < g.end and change.end > g.start for change in plan.lane_changes):
+            continue
+        own = graph.lanes[g.lane_id]
+        aside = own.spine.offsets(places[first:end])
+        for left, reach in ((True, aside + band.left[first:end]), (False, band.right[first:end] - aside)):
+            lane = lane_at_side(graph, g.lane_id, left)
+            at = first + np.flatnonzero(reach > 0.5 * own.width + CUT_M)
+            if lane is not None and len(at):
+                runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
+                found += [Cut(float(run[0]) * curve.step, float(run[-1]) * curve.step, left, lane.id) for run in runs]
+    return tuple(sorted(found))
+
+
+def next_cut(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s: float, front: float) -> Cut | None:
+    """Return the next cut into the lane of a road, if it is in sight and its end not yet passed; none during a lane change.
+
+    `s`, `front`: arc length of front axle and front bumper on C, m.
+    """
+    for cut in cuts_of(plan, graph, limits):
+        if cut.start > front + CUT_SIGHT_M:
+            break
+        if cut.end > s and not cut.lane_id.startswith(":"):
+            return cut
+    return None
+
+
+def lane_at_side(graph: RoadGraph, lane_id: str, left: bool) -> Lane | None:
+    """Return the lane directly left or right of a lane, inside a junction too."""
+    lane = graph.lanes[lane_id]
+    if not lane.is_internal:
+        return graph.neighbours(lane_id)[0 if left else 1]
+    index = lane.index + (1 if left != graph.left_hand else -1)
+    return graph.lanes.get(f"{lane.edge_id}_{index}")

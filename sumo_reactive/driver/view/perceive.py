@@ -23,13 +23,10 @@ from sumo_reactive.driver.parameters import (
     TURN_FORESEEN_S,
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.abreast import ahead_at_narrows, narrows_of
-from sumo_reactive.driver.view.attention import in_sight, lane_axis, lane_sought, place_beside
-from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes
-from sumo_reactive.driver.view.cuts import next_cut
-from sumo_reactive.driver.view.foes import foes_of
+from sumo_reactive.driver.view.attention import foes_of, in_sight, lane_axis, lane_sought, place_beside
+from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes, next_cut
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
-from sumo_reactive.driver.view.leaders import FASTER, comes_towards, leaders, time_to_meet
+from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
 from sumo_reactive.driver.view.static import static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
 

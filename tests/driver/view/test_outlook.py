@@ -8,7 +8,7 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.plan import Move, Turnaround
-from sumo_reactive.driver.view.ground import ground_of, who_comes_over
+from sumo_reactive.driver.view.outlook import ground_of, who_comes_over
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6
