@@ -119,7 +119,7 @@ def _place(
     xs: NDArray[np.float64], ys: NDArray[np.float64], arc: NDArray[np.float64], x: float, y: float, beyond: float
 ) -> tuple[float, float]:
     i, share, away = foot(xs, ys, x, y, 0, len(xs) - 2, beyond)
-    return arc[i] + share * (arc[i + 1] - arc[i]), away
+    return arc[i] + share * math.sqrt(max((xs[i + 1] - xs[i]) ** 2 + (ys[i + 1] - ys[i]) ** 2, 1e-12)), away
 
 
 @kernel

@@ -12,28 +12,28 @@ from sumo_reactive.driver.geometry.polyline import nearest_point
 
 Floats = NDArray[np.float64]
 
-ARC_SHARE = 1.5
-"""The way along a line between two places is no longer than so many times their distance, in any bend that is driven."""
-
 
 @kernel
 def off_tracking(
-    xs: Floats, ys: Floats, headings: Floats, step: float, heading: float, wheelbase: float, overhang: float
+    xs: Floats, ys: Floats, headings: Floats, step: float, heading: float, wheelbase: float, overhang: float, turned: float
 ) -> tuple[Floats, Floats]:
     """Return how far (n,), m, rear axle and front bumper pass to the left of each sample of a line, at most.
 
     The front axle follows the line, `xs`, `ys` (n,), m, sampled every `step` m, which leads along `headings` (n,); the body
-    has `heading` (rad) at the first sample. `wheelbase` and front `overhang` in m.
+    has `heading` (rad) at the first sample. `wheelbase` and front `overhang` in m. Where the body is turned from the
+    line by less than the angle of sine `turned`, it counts as on it.
     """
     n = len(xs)
     rear, bumper = np.zeros(n), np.zeros(n)
     rx, ry = xs[0] - wheelbase * math.cos(heading), ys[0] - wheelbase * math.sin(heading)
-    behind, ahead = int(ARC_SHARE * wheelbase / step) + 1, int(ARC_SHARE * overhang / step) + 1
+    behind, ahead = int(wheelbase / step) + 1, int(overhang / step) + 1
     for i in range(n):
         dx, dy = xs[i] - rx, ys[i] - ry
         away = max(math.hypot(dx, dy), 1e-6)
         dx, dy = dx / away, dy / away
         rx, ry = xs[i] - wheelbase * dx, ys[i] - wheelbase * dy
+        if abs(dx * math.sin(headings[i]) - dy * math.cos(headings[i])) < turned:
+            continue
         _note(xs, ys, headings, rear, rx, ry, max(i - behind, 0), i)
         _note(xs, ys, headings, bumper, xs[i] + overhang * dx, ys[i] + overhang * dy, i, min(i + ahead, n - 1))
     return rear, bumper

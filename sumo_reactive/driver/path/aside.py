@@ -54,7 +54,9 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
     """
     ahead = np.gradient(line, axis=0)
     headings, (xs, ys) = np.arctan2(ahead[:, 1], ahead[:, 0]), Polyline(line).columns
-    rear, bumper = off_tracking(xs, ys, headings, CURVE_STEP_M, headings[0], limits.wheelbase, limits.front_overhang)
+    sizes = limits.wheelbase, limits.front_overhang
+    rear, bumper = off_tracking(xs, ys, headings, CURVE_STEP_M, headings[0], *sizes, 0.0)
+    rear[[0, -1]] = bumper[[0, -1]] = 0.0  # what is before or behind the line is noted there
     half = 0.5 * limits.width
     excess = np.abs(rear) + half - BEYOND_M - half_widths
     if not (excess > 0.0).any():

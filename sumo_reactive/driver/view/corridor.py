@@ -36,6 +36,9 @@ SPEED_GAINED = 2.0
 WIDTHS_M = 5.0
 """m; no two bodies are wider together."""
 
+STRAIGHT = 0.02
+"""Sine of the angle to C up to which the body counts as on it."""
+
 BEHIND_SHARE = 0.5
 """Who is behind the rear axle by this share of the way to him stays behind the ego's middle, however it steers."""
 
@@ -58,7 +61,8 @@ def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
     heading = float(curve.heading[0]) - angle
-    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, limits.front_overhang)
+    sizes = wheelbase, limits.front_overhang
+    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT)
     reach = np.max(sides, axis=0), -np.min(sides, axis=0)  # between two samples it is as wide as at the wider one
     left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
     return Band(left, right, float(max(left.max(), right.max())))
