@@ -27,6 +27,7 @@ from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
 from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lane import road_of
 
 Floats = NDArray[np.float64]
 
@@ -113,8 +114,8 @@ def _eased_in(shift: Floats, reach: int) -> Floats:
 
 def _may_be_met(connection: Connection, other: Connection) -> bool:
     """Whether somebody on `other` may wait inside the junction while the ego, on another approach, passes."""
-    approach = connection.from_lane.rpartition("_")[0]
-    return other.wait_at is not None and other.from_lane.rpartition("_")[0] != approach and not other.is_crossing
+    from_elsewhere = road_of(other.from_lane) != road_of(connection.from_lane)
+    return other.wait_at is not None and from_elsewhere and not other.is_crossing
 
 
 def _waiting(other: Connection) -> Points:

@@ -174,7 +174,7 @@ def _onward(
 @kept(8192)
 def is_shared(graph: RoadGraph, lane: Lane) -> bool:
     """Whether the map draws an oncoming lane over `lane`: cars of both directions would stand before each other there."""
-    oncoming = graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ())
+    oncoming = graph.oncoming(lane.edge_id)
     return any(separation(lane, other) < -SHARED_OVERLAP_M for other in oncoming[-1:])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,20 @@ PINNED_LENGTH_M = 0.05
 """Smoothing length of samples that must stay where they are."""
 
 
+class Departure(NamedTuple):
+    """Where C begins: place of the front axle (m), direction of its motion (rad), speed (m/s) and steering angle (rad).
+
+    `speed_factor` scales lane limits.
+    """
+
+    x: float
+    y: float
+    heading: float
+    speed: float
+    steering_angle: float = 0.0
+    speed_factor: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """C with places known by both arc lengths, on the reference and on C (m,), and where the start transition ends."""
@@ -66,36 +81,31 @@ class Trajectory:
 
 
 def trajectory(
-    reference: Reference,
-    front: tuple[float, float, float],
-    speed: float,
-    speed_factor: float,
-    limits: VehicleLimits,
-    aside: Aside | None = None,
-    steering_angle: float = 0.0,
+    reference: Reference, start: Departure, limits: VehicleLimits, aside: Aside | None = None,
     in_moves: Sequence[tuple[float, float]] = (),
-) -> Trajectory:
-    """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference.
+) -> Trajectory:  # fmt: skip
+    """Return the smooth curve from `start` along the reference.
 
-    `aside` leads it beside the reference for a while. `steering_angle` (rad) is the car's at the start. `in_moves`: from
-    where to where (m of the reference) the car turns in moves, so that C need not be steered.
+    `aside` leads it beside the reference for a while. `in_moves`: from where to where (m of the reference) the car turns in
+    moves, so that C need not be steered.
     """
-    centre = _centre_line(reference)
+    centre = Polyline(np.vstack(reference.points))
+    if reference.goal is None and centre.length > PLAN_HORIZON_M:
+        centre = Polyline(cut(centre, 0.0, PLAN_HORIZON_M))
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
     line = centre.points_at(u)
     if aside is not None:
         line = moved_aside(line, lateral_of(aside, u))
-    start = reference.pieces[0].lane.width
-    lanes, _ = _met_from(line, front, speed, start, limits)
-    left_hand = reference.graph.left_hand
+    width, left_hand = reference.pieces[0].lane.width, reference.graph.left_hand
+    lanes, _ = _met_from(line, start, width, limits)
     pace, half_widths = lanes_at(reference.pieces, u)
     line = clear_of_others(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
-    line, blend = _met_from(line, front, speed, start, limits)
-    pace = np.minimum(pace * speed_factor, limits.max_speed)
+    line, blend = _met_from(line, start, width, limits)
+    pace = np.minimum(pace * start.speed_factor, limits.max_speed)
     comfort = limits.comfort_lateral_acceleration / np.maximum(pace, 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
     kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
-    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand, kept)
+    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, start.steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
     feet = _feet(centre.points_at(places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
@@ -109,22 +119,12 @@ def lanes_at(pieces: list[Piece], u: Floats) -> tuple[Floats, Floats]:
     return limits, halves
 
 
-def _centre_line(reference: Reference) -> Polyline:
-    """Return the reference as one line, up to the horizon unless it ends at the goal."""
-    line = Polyline(np.vstack(reference.points))
-    if reference.goal is not None or line.length <= PLAN_HORIZON_M:
-        return line
-    return Polyline(cut(line, 0.0, PLAN_HORIZON_M))
+def _met_from(line: Points, start: Departure, width: float, limits: VehicleLimits) -> tuple[Points, float]:
+    """Return `line` bent at its beginning to lead from `start` in its direction, and the length of the transition, m.
 
-
-def _met_from(
-    line: Points, front: tuple[float, float, float], speed: float, width: float, limits: VehicleLimits
-) -> tuple[Points, float]:
-    """Return `line` bent at its start to begin at `front` in its direction, and the length of the transition, m.
-
-    A quintic takes the offset and the difference of direction to zero.
+    A quintic takes the offset and the difference of direction to zero. `width` (m) is the lane's.
     """
-    x, y, heading = front
+    x, y, heading, speed = start[:4]
     ahead = line[1] - line[0]
     direction = math.atan2(ahead[1], ahead[0])
     offset = np.array([x, y]) - line[0]

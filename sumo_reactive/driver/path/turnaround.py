@@ -16,6 +16,7 @@ from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import Move
+from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import (
     CURVE_STEP_M,
     MOVE_CHANGE_S,
@@ -26,7 +27,7 @@ from sumo_reactive.driver.parameters import (
     TURNAROUNDS_KEPT,
 )
 from sumo_reactive.driver.path.reference import Reference
-from sumo_reactive.driver.path.trajectory import trajectory
+from sumo_reactive.driver.path.trajectory import Departure, trajectory
 from sumo_reactive.driver.path.turning import U_TURN_RAD
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -83,14 +84,6 @@ class Around(NamedTuple):
 NOTHING_AROUND = Around()
 
 
-class _Pose(NamedTuple):
-    """Place of the rear axle (m, m) and heading (rad)."""
-
-    x: float
-    y: float
-    heading: float
-
-
 def ground_of(lanes: Sequence[Lane], x: float, y: float) -> Floats:
     """Return the road that `lanes` cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to (x, y) with half their
     width, (k, 5), m."""
@@ -143,10 +136,11 @@ class _Task(NamedTuple):
     side: int
     limits: VehicleLimits
 
-    def arc(self, pose: _Pose, gear: int, angle: float) -> Floats:
+    def arc(self, pose: Pose, gear: int, angle: float) -> Floats:
         """Return the poses (n, 3) that follow `pose` in `gear` with the wheels at `angle`, as long as they are allowed."""
         own = self.limits
-        return _arc(*pose, gear, angle, own.wheelbase, own.front_to_rear_axle, own.rear_overhang, self.ground, *self.beyond)
+        sizes = own.wheelbase, own.front_to_rear_axle, own.rear_overhang
+        return _arc(pose.x, pose.y, pose.heading, gear, angle, *sizes, self.ground, *self.beyond)
 
     def move(self, gear: int, angle: float, until: float, *, is_last: bool = False) -> Move:
         """Return the move in `gear` with the wheels at `angle` up to heading `until`."""
@@ -156,17 +150,14 @@ class _Task(NamedTuple):
         """Return how many of an arc's poses it takes to turn to the end; too many, where they do not."""
         return int(np.searchsorted(self.side * arc[:, 2], self.side * self.until)) + 1
 
-    def ends_in_lane(self, pose: _Pose) -> bool:
+    def ends_in_lane(self, pose: Pose) -> bool:
         """Whether the front axle is in the lane to turn into."""
-        reach = self.limits.wheelbase
-        x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
-        return bool(abs(self.lane.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
+        return bool(abs(self.lane.offsets(np.array([pose.ahead(self.limits.wheelbase)]))[0]) < INTO_LANE_M)
 
-    def front_along(self, pose: _Pose) -> float:
+    def front_along(self, pose: Pose) -> float:
         """Return how far along the lane to turn into the front bumper is, m; it may be past its end."""
-        (x, y), reach = self.lane.at(0.0), self.limits.front_to_rear_axle
-        dx, dy = pose.x + reach * math.cos(pose.heading) - x, pose.y + reach * math.sin(pose.heading) - y
-        return dx * math.cos(self.until) + dy * math.sin(self.until)
+        (x, y), (fx, fy) = self.lane.at(0.0), pose.ahead(self.limits.front_to_rear_axle)
+        return (fx - x) * math.cos(self.until) + (fy - y) * math.sin(self.until)
 
 
 @kept(TURNAROUNDS_KEPT)
@@ -264,8 +255,9 @@ def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, l
     reference.follow(behind, 0, 0.0, min(TURNAROUND_LEAD_M, behind.spine.length))
     reference.run_out(TURNAROUND_LEAD_M)
     first, second = reference.points[0][:2]
-    front = float(first[0]), float(first[1]), math.atan2(second[1] - first[1], second[0] - first[0])
-    curve = trajectory(reference, front, SWEEP_SPEED, 1.0, limits).curve
+    heading = math.atan2(second[1] - first[1], second[0] - first[0])
+    start = Departure(float(first[0]), float(first[1]), heading, SWEEP_SPEED)
+    curve = trajectory(reference, start, limits).curve
     along = curve.heading - steering_along(curve.heading, np.full(len(curve.x), curve.step), limits.wheelbase, 0.0)
     reach = limits.front_overhang
     bumper = np.column_stack((curve.x + reach * np.cos(along), curve.y + reach * np.sin(along)))
@@ -274,23 +266,22 @@ def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, l
     return all(_beyond(ground, x, y) < 0.5 * limits.width for x, y in bumper[near // 2 : len(bumper) - near].tolist())
 
 
-def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, _Pose]]:
+def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, Pose]]:
     """Return where the turn may begin: the bumper's way to the end of the lane (m), and the pose there."""
     found = []
     for more in BEGINNINGS_M:
         before = hold_back + more
         if before < spine.length:
             place = spine.length - before - STOP_LINE_MARGIN_M
-            (x, y), heading = spine.at(place), spine.heading_at(place)
-            reach = limits.front_to_rear_axle
-            found.append((before, _Pose(x - reach * math.cos(heading), y - reach * math.sin(heading), heading)))
+            front = Pose(*spine.at(place), spine.heading_at(place))
+            found.append((before, Pose(*front.ahead(-limits.front_to_rear_axle), front.heading)))
     return found
 
 
-def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> Turn | None:
+def _searched(task: _Task, beginnings: list[tuple[float, Pose]], most: int) -> Turn | None:
     """Return the turn with the fewest moves, at most `most`, among those the shortest; best first, equal poses once."""
     lock, number = task.side * STEERING_MARGIN * task.limits.max_steering_angle, itertools.count()
-    queue: list[tuple[int, float, int, float, _Pose, tuple[Move, ...]]] = []
+    queue: list[tuple[int, float, int, float, Pose, tuple[Move, ...]]] = []
     for before, pose in beginnings:
         heapq.heappush(queue, (0, 0.0, next(number), before, pose, ()))
     seen: set[tuple[int, ...]] = set()
@@ -308,18 +299,18 @@ def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> 
         end = min(len(arc), task.turned(arc) - 1)
         for k in {int(share * end) for share in SHARES}:
             if k >= 2:
-                after = _Pose(*arc[k - 1].tolist())
+                after = Pose(*arc[k - 1].tolist())
                 move = task.move(gear, gear * lock, after.heading)
                 heapq.heappush(queue, (count + 1, way + k * STEP_M, next(number), before, after, (*moves, move)))
     return None
 
 
-def _last_move(task: _Task, pose: _Pose, lock: float) -> tuple[Move, float, _Pose] | None:
+def _last_move(task: _Task, pose: Pose, lock: float) -> tuple[Move, float, Pose] | None:
     """Return the move that ends in the lane, its way, m, and where it ends; None: there is none from `pose`."""
     for share in LOCKS:
         arc = task.arc(pose, 1, share * lock)
         k = task.turned(arc)
-        end = _Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
+        end = Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
         if end is not None and task.ends_in_lane(end):
             return task.move(1, share * lock, task.until, is_last=True), k * STEP_M, end
     return None

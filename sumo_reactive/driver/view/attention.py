@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
@@ -71,11 +71,9 @@ def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
     table: dict[str, list[Watch]] = {}
     for conflict in conflicts_of(graph, connection_id):
-        behind, region = 0.0, (conflict.region.other.start, conflict.region.other.end)
-        for part in conflict.other.parts:
-            table.setdefault(part, []).append(Watch(conflict, -behind, (), *region))
-            behind += graph.lanes[part].spine.length
-        table.setdefault(conflict.other.to_lane, []).append(Watch(conflict, -behind, (), *region))
+        region = conflict.region.other.start, conflict.region.other.end
+        for lane_id, behind in graph.lanes_behind(conflict.other):
+            table.setdefault(lane_id, []).append(Watch(conflict, -behind, (), *region))
         for approach in graph.approaches.get(conflict.other.id, ()):
             table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges, *region))
     return {lane: tuple(entries) for lane, entries in table.items()}
@@ -85,14 +83,8 @@ def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch
 def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
     """Return every lane to look at while passing a junction: inside, before, behind, and where foes come from."""
     junction = graph.junctions[graph.connections[connection_id].junction_id]
-    lanes: dict[str, None] = {}
-    for connection in junction.connections:
-        for lane in (*connection.parts, connection.from_lane, connection.to_lane):
-            if lane in graph.lanes:
-                lanes[lane] = None
-    for lane in watches_of(graph, connection_id):
-        lanes[lane] = None
-    return tuple(lanes)
+    lanes = (lane for c in junction.connections for lane in (*c.parts, c.from_lane, c.to_lane) if lane in graph.lanes)
+    return tuple(dict.fromkeys((*lanes, *watches_of(graph, connection_id))))
 
 
 @kept(1024)
@@ -120,15 +112,13 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     while queue:
         here, end = queue.pop()
         for connection in graph.outgoing.get(here, ()):
-            at = end
-            for part in connection.parts:
-                axis.setdefault(part, at)
-                at += graph.lanes[part].spine.length
-            behind = connection.to_lane
+            *parts, (behind, at) = graph.lanes_behind(connection)
+            for part, start in parts:
+                axis.setdefault(part, end + start)
             if behind in graph.lanes and behind not in axis:
-                axis[behind] = at
-                if at < lane.spine.length + ATTENTION_BEHIND_M:
-                    queue.append((behind, at + graph.lanes[behind].spine.length))
+                axis[behind] = end + at
+                if axis[behind] < lane.spine.length + ATTENTION_BEHIND_M:
+                    queue.append((behind, axis[behind] + graph.lanes[behind].spine.length))
     return axis
 
 
@@ -186,21 +176,15 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     for segment in plan.segments:
         if segment.start <= max(reach, front + sight) and segment.end >= front - ATTENTION_BEHIND_M:
-            lanes.update(dict.fromkeys(_edge_lanes(graph, segment.lane_id)))
+            lane = graph.lanes[segment.lane_id]
+            lanes.update((one.id, None) for one in graph.edge_lanes.get(lane.edge_id, (lane,)))
+            lanes.update((one.id, None) for one in graph.oncoming(lane.edge_id))
     for i in in_sight(plan, front, speed):
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
     change = next_change(plan, front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
         lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
     return tuple(lanes)
-
-
-def _edge_lanes(graph: RoadGraph, lane_id: str) -> Iterator[str]:
-    lane = graph.lanes[lane_id]
-    for beside in graph.edge_lanes.get(lane.edge_id, (lane,)):
-        yield beside.id
-    for beside in graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ()):
-        yield beside.id
 
 
 _Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
@@ -212,16 +196,9 @@ It is plain because every user near is held against it at every step: a named tu
 
 def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> tuple[Foe, ...]:
     """Return who can reach a region of the plan's passages in `sight`, once for each region."""
-    if not sight:
-        return ()
-    meanings = _meanings(graph, plan, sight)
-    users = (*traffic.users, *traffic.beside) if traffic.beside else traffic.users
-    return tuple(_found(users, meanings))
-
-
-def _found(users: tuple[RoadUser, ...], meanings: Mapping[str, tuple[_Meaning, ...]]) -> list[Foe]:
     found: list[Foe] = []
-    for user in users:
+    meanings = _meanings(graph, plan, sight) if sight else {}
+    for user in (*traffic.users, *traffic.beside) if meanings else ():
         watched = meanings.get(user.lane_id)
         if watched is None:
             continue
@@ -239,7 +216,7 @@ def _found(users: tuple[RoadUser, ...], meanings: Mapping[str, tuple[_Meaning, .
             to_clear = to_line + end + length
             if to_clear > 0.0:
                 found.append(Foe._make((user, passage, conflict, to_line, to_line + start, to_clear)))
-    return found
+    return tuple(found)
 
 
 @kept(PLANS_KEPT)

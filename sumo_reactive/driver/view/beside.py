@@ -11,7 +11,7 @@ from sumo_reactive.driver.nouns.snapshot import Neighbour, Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.parameters import ATTENTION_BEHIND_M
 from sumo_reactive.driver.view.attention import lane_axis
-from sumo_reactive.driver.world.lane import Lane, separation
+from sumo_reactive.driver.world.lane import Lane, road_of, separation
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 CAR = "passenger"
@@ -37,7 +37,7 @@ def _beside(graph: RoadGraph, lane_id: str) -> tuple[Lane, float, bool] | None:
     inner = right if graph.left_hand else left
     if inner is not None and _usable(lane, inner):
         return inner, side * 0.5 * (lane.width + inner.width), False
-    oncoming = graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ())
+    oncoming = graph.oncoming(lane.edge_id)
     if inner is not None or not oncoming or not _usable(lane, oncoming[-1]):
         return None
     other = oncoming[-1]
@@ -73,24 +73,17 @@ def feared(graph: RoadGraph, connection_id: str) -> frozenset[str]:
     junction = graph.junctions.get(connection.junction_id)
     if junction is None or connection.index < 0:
         return frozenset()
-    rules, own = junction.right_of_way, _road(connection.from_lane)
+    rules, own = junction.right_of_way, road_of(connection.from_lane)
     others = (other for other in junction.connections if other.index >= 0 and not other.is_crossing)
-    return frozenset(_road(o.from_lane) for o in others if rules.must_yield(connection.index, o.index)) - {own}
-
-
-def _road(lane_id: str) -> str:
-    return lane_id.rpartition("_")[0]
+    return frozenset(road_of(o.from_lane) for o in others if rules.must_yield(connection.index, o.index)) - {own}
 
 
 @kept(4096)
 def _exits(graph: RoadGraph, lane_id: str) -> Mapping[str, tuple[float, str]]:
     """Return where the lane and the ways out of it begin on the lane's own axis (m), and the connection that each is of."""
-    table = {lane_id: (0.0, "")}
-    for connection in graph.outgoing.get(lane_id, ()):
-        at = graph.lanes[lane_id].spine.length
-        for part in connection.parts:
-            table[part] = at, connection.id
-            at += graph.lanes[part].spine.length
+    table, length = {lane_id: (0.0, "")}, graph.lanes[lane_id].spine.length
+    for way in graph.outgoing.get(lane_id, ()):
+        table.update((part, (length + at, way.id)) for part, at in [*graph.lanes_behind(way)][:-1])
     return table
 
 

@@ -145,16 +145,13 @@ def _coming(
 
 def _to_line(user: RoadUser, narrow: Narrow, graph: RoadGraph) -> float | None:
     """The way (m) to the stop line of a user who takes the other way through a narrow place; None: he does not."""
-    other, behind = narrow.other, 0.0
+    other = narrow.other
     if user.lane_id == other.from_lane:
         if user.route[1:2] not in ((), (narrow.to_edge,)):
             return None
         return graph.lanes[other.from_lane].spine.length - user.lane_position
-    for part in other.parts:
-        if user.lane_id == part:
-            return -behind - user.lane_position
-        behind += graph.lanes[part].spine.length
-    return None
+    inside = (-at - user.lane_position for part, at in graph.lanes_behind(other) if user.lane_id == part != other.to_lane)
+    return next(inside, None)
 
 
 def _turn(

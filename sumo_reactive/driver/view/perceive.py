@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from struct import pack_into
 
@@ -35,15 +34,9 @@ Array = NDArray[np.float64]
 _NO_BOXES: Array = np.empty((0, 6))
 
 
-def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
-    """Return control point F, the front axle's middle (m)."""
-    p = ego.pose
-    return p.x + limits.wheelbase * math.cos(p.heading), p.y + limits.wheelbase * math.sin(p.heading)
-
-
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
     """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
-    curve, (x, y) = plan.curve, front_axle(ego, limits)
+    curve, (x, y) = plan.curve, ego.pose.ahead(limits.wheelbase)
     return project_on_curve(x, y, curve.x, curve.y, curve.step, s_before, PROJECTION_WINDOW_M)
 
 
@@ -68,7 +61,7 @@ def perceive(
     beside = cut.lane_id if cut else sought
     neighbours = tuple(_neighbours(traffic.users, beside, plan, graph, ego, front, limits)) if beside else ()
     near = _near(traffic.users, boxes, graph, ego, limits)
-    static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
+    static = static_near(graph, plan, vehicle_class, s, *ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
     behind = tuple(leaders(met, front, ego.speed, limits))
@@ -149,8 +142,7 @@ def _neighbours(
     limits: VehicleLimits,
 ) -> Iterator[Neighbour]:  # fmt: skip
     axis = lane_axis(graph, lane_id)
-    p, reach = ego.pose, limits.front_to_rear_axle
-    own = place_beside(graph, plan, lane_id, front, p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading))
+    own = place_beside(graph, plan, lane_id, front, *ego.pose.ahead(limits.front_to_rear_axle))
     for user in users:
         start = axis.get(user.lane_id)
         if start is not None:

@@ -47,5 +47,5 @@ def _across(graph: RoadGraph, edge_id: str) -> list[tuple[Lane, float]]:
     """Return the carriageway's lanes from the edge's outer one on, each with the side of its border that comes first."""
     outer = 1.0 if graph.left_hand else -1.0
     own = [(lane, outer) for lane in graph.edge_lanes.get(edge_id, ())]
-    oncoming = graph.edge_lanes.get(graph.opposite.get(edge_id, ""), ())
+    oncoming = graph.oncoming(edge_id)
     return own + [(lane, -outer) for lane in reversed(oncoming)]

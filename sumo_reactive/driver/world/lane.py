@@ -71,6 +71,11 @@ class Lane:
         return vehicle_class in self.change_right
 
 
+def road_of(lane_id: str) -> str:
+    """Return the id of the edge that a lane belongs to, which its own begins with."""
+    return lane_id.rpartition("_")[0]
+
+
 def nearest_opposite(inner: Lane, candidates: Iterable[Lane]) -> Lane | None:
     """Return the oncoming inner lane that lies right beside `inner`, or None.
 

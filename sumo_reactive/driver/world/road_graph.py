@@ -6,11 +6,32 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from itertools import pairwise
+from typing import NamedTuple
 
 from sumo_reactive.driver.world.approach import Approach
 from sumo_reactive.driver.world.junction import Connection, Junction
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.regions import ConflictRegion
+
+
+class ArcLabel(Enum):
+    """What the source of an arc is to its target."""
+
+    FOLLOWS = "follows"  # the target lane follows the source lane
+    LEFT_OF = "left of"  # the source lane lies left of the target lane
+    RIGHT_OF = "right of"
+    ENTERS = "enters"  # lane → conflict region
+    CLEARS = "clears"  # conflict region → the post-conflict region behind it
+    LEADS_TO = "leads to"  # post-conflict region → lane
+    CONFLICTS = "conflicts"  # conflict region ↔ the connection that shares it
+
+
+class Arc(NamedTuple):
+    """A labelled arc between two nodes, each named by its id."""
+
+    source: str
+    target: str
+    label: ArcLabel
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,56 +65,33 @@ class RoadGraph:
         inner = lanes[lane.index + 1] if lane.index + 1 < len(lanes) else None
         return (outer, inner) if self.left_hand else (inner, outer)
 
+    def oncoming(self, edge_id: str) -> tuple[Lane, ...]:
+        """Return the lanes of the other direction on an edge's carriageway, outermost first."""
+        return self.edge_lanes.get(self.opposite.get(edge_id, ""), ())
+
+    def lanes_behind(self, connection: Connection) -> Iterator[tuple[str, float]]:
+        """Yield the lanes on the way from a connection's stop line on, up to the one that it leads to, with the arc length
+        at which each starts, m."""
+        at = 0.0
+        for part in connection.parts:
+            yield part, at
+            at += self.lanes[part].spine.length
+        yield connection.to_lane, at
+
     def arcs(self) -> Iterator[Arc]:
         """Yield W as labelled arcs between lanes, conflict regions, post-conflict regions and connections."""
         for connection in self.connections.values():
-            yield from arcs_of_connection(connection)
+            for source, target in pairwise((connection.from_lane, *connection.parts, connection.to_lane)):
+                yield Arc(source, target, ArcLabel.FOLLOWS)
         for lane_id in self.lanes:
-            yield from self._side_arcs(lane_id)
+            for beside, label in zip(self.neighbours(lane_id), (ArcLabel.LEFT_OF, ArcLabel.RIGHT_OF), strict=True):
+                if beside is not None:
+                    yield Arc(beside.id, lane_id, label)
         for own_id, regions in self.regions.items():
+            own = self.connections[own_id]
             for region in regions:
-                yield from arcs_of_region(region, self.connections[own_id])
-
-    def _side_arcs(self, lane_id: str) -> Iterator[Arc]:
-        left, right = self.neighbours(lane_id)
-        if left:
-            yield Arc(left.id, lane_id, ArcLabel.LEFT_OF)
-        if right:
-            yield Arc(right.id, lane_id, ArcLabel.RIGHT_OF)
-
-
-class ArcLabel(Enum):
-    """What the source of an arc is to its target."""
-
-    FOLLOWS = "follows"  # the target lane follows the source lane
-    LEFT_OF = "left of"  # the source lane lies left of the target lane
-    RIGHT_OF = "right of"
-    ENTERS = "enters"  # lane → conflict region
-    CLEARS = "clears"  # conflict region → the post-conflict region behind it
-    LEADS_TO = "leads to"  # post-conflict region → lane
-    CONFLICTS = "conflicts"  # conflict region ↔ the connection that shares it
-
-
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """A labelled arc between two nodes, each named by its id."""
-
-    source: str
-    target: str
-    label: ArcLabel
-
-
-def arcs_of_connection(connection: Connection) -> Iterator[Arc]:
-    """Yield the arcs that join a connection's lanes in driving order."""
-    lanes = (connection.from_lane, *connection.parts, connection.to_lane)
-    for source, target in pairwise(lanes):
-        yield Arc(source, target, ArcLabel.FOLLOWS)
-
-
-def arcs_of_region(region: ConflictRegion, own: Connection) -> Iterator[Arc]:
-    """Yield the way through a conflict region and the conflict that makes it one."""
-    yield Arc(own.from_lane, region.id, ArcLabel.ENTERS)
-    yield Arc(region.id, region.post.id, ArcLabel.CLEARS)
-    yield Arc(region.post.id, own.to_lane, ArcLabel.LEADS_TO)
-    yield Arc(region.id, region.other_id, ArcLabel.CONFLICTS)
-    yield Arc(region.other_id, region.id, ArcLabel.CONFLICTS)
+                yield Arc(own.from_lane, region.id, ArcLabel.ENTERS)
+                yield Arc(region.id, region.post.id, ArcLabel.CLEARS)
+                yield Arc(region.post.id, own.to_lane, ArcLabel.LEADS_TO)
+                yield Arc(region.id, region.other_id, ArcLabel.CONFLICTS)
+                yield Arc(region.other_id, region.id, ArcLabel.CONFLICTS)
