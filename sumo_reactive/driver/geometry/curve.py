@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.polyline import BEYOND, foot
-
-Array = NDArray[np.float64]
+from sumo_reactive.driver.geometry.polyline import BEYOND, Floats, foot
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +18,10 @@ class Curve:
     i · step.
     """
 
-    x: Array
-    y: Array
-    heading: Array
-    curvature: Array
+    x: Floats
+    y: Floats
+    heading: Floats
+    curvature: Floats
     step: float
 
     def __post_init__(self) -> None:
@@ -60,7 +57,7 @@ class Curve:
 
 @kernel
 def project_on_curve(
-    x: float, y: float, cx: Array, cy: Array, step: float, s_guess: float, window: float
+    x: float, y: float, cx: Floats, cy: Floats, step: float, s_guess: float, window: float
 ) -> tuple[float, float]:
     """Return (s, d): closest point of C within `window` m of `s_guess`, and the signed distance, left positive (m)."""
     first, last = max(0, int((s_guess - window) / step)), min(len(cx) - 2, int((s_guess + window) / step))
@@ -71,7 +68,7 @@ def project_on_curve(
 
 
 @kernel
-def project_each(points: Array, cx: Array, cy: Array, step: float, guesses: Array, window: float) -> Array:
+def project_each(points: Floats, cx: Floats, cy: Floats, step: float, guesses: Floats, window: float) -> Floats:
     """Return the arc lengths (n,), m, of C closest to `points` (n, 2), each within `window` m of its guess."""
     found = np.empty(len(points))
     for k in range(len(points)):

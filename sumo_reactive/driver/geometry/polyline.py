@@ -1,4 +1,4 @@
-"""Polylines measured by arc length."""
+"""Polylines measured by arc length, and angles."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 
+Floats = NDArray[np.float64]
 Points = NDArray[np.float64]
 
 
@@ -29,7 +30,7 @@ class Polyline:
             raise ValueError(f"a polyline needs points of shape (n ≥ 2, 2), got {self.points.shape}")
 
     @cached_property
-    def arc_lengths(self) -> NDArray[np.float64]:
+    def arc_lengths(self) -> Floats:
         """Arc length at each point, shape (n,), m, starting at 0."""
         steps = np.hypot(*np.diff(self.points, axis=0).T)
         return np.concatenate(([0.0], np.cumsum(steps)))
@@ -56,11 +57,11 @@ class Polyline:
         return math.atan2(dy, dx)
 
     @cached_property
-    def columns(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def columns(self) -> tuple[Floats, Floats]:
         """All x and all y of the points, shape (n,) each, m, as compiled code likes them."""
         return np.ascontiguousarray(self.points[:, 0]), np.ascontiguousarray(self.points[:, 1])
 
-    def points_at(self, s: NDArray[np.float64]) -> Points:
+    def points_at(self, s: Floats) -> Points:
         """Return the points (n, 2) at arc lengths `s` (n,), clamped to the ends, m."""
         return np.column_stack([np.interp(s, self.arc_lengths, column) for column in self.columns])
 
@@ -68,22 +69,22 @@ class Polyline:
         """Return (s, d) of the closest point: arc length and signed distance, left positive, m."""
         return _place(*self.columns, self.arc_lengths, x, y, 0.0)
 
-    def arc_lengths_at(self, places: Points) -> NDArray[np.float64]:
+    def arc_lengths_at(self, places: Points) -> Floats:
         """Return the arc length (n,), m, of the closest point to each of `places` (n, 2), m."""
         return _places(*self.columns, self.arc_lengths, np.ascontiguousarray(places), 0.0)[:, 0]
 
-    def offsets(self, places: Points) -> NDArray[np.float64]:
+    def offsets(self, places: Points) -> Floats:
         """Return how far left of the polyline, prolonged straight at its ends, each of `places` (n, 2) is, (n,), m."""
         return _places(*self.columns, self.arc_lengths, np.ascontiguousarray(places), BEYOND)[:, 1]
 
-    def sampled(self, step: float) -> NDArray[np.float64]:
+    def sampled(self, step: float) -> Floats:
         """Return x, y (m) and heading (rad, unwrapped) every `step` m up to the first sample beyond the end, (n ≥ 2, 3)."""
         return _sampled(np.ascontiguousarray(self.points), self.arc_lengths, step)
 
 
 @kernel
 def foot(
-    xs: NDArray[np.float64], ys: NDArray[np.float64], x: float, y: float, first: int, last: int, beyond: float
+    xs: Floats, ys: Floats, x: float, y: float, first: int, last: int, beyond: float
 ) -> tuple[int, float, float]:
     """Return where (x, y) is nearest to the chain through `xs`, `ys` (n,), m, on its segments `first` to `last`: segment,
     share of it and signed distance (m, left positive).
@@ -104,7 +105,7 @@ def foot(
 
 
 @kernel
-def nearest_point(xs: NDArray[np.float64], ys: NDArray[np.float64], x: float, y: float, first: int, last: int) -> int:
+def nearest_point(xs: Floats, ys: Floats, x: float, y: float, first: int, last: int) -> int:
     """Return which of the points `xs`, `ys` (n,), from index `first` to `last`, is nearest to (x, y), m."""
     nearest, least = first, math.inf
     for i in range(first, last + 1):
@@ -116,7 +117,7 @@ def nearest_point(xs: NDArray[np.float64], ys: NDArray[np.float64], x: float, y:
 
 @kernel
 def _place(
-    xs: NDArray[np.float64], ys: NDArray[np.float64], arc: NDArray[np.float64], x: float, y: float, beyond: float
+    xs: Floats, ys: Floats, arc: Floats, x: float, y: float, beyond: float
 ) -> tuple[float, float]:
     i, share, away = foot(xs, ys, x, y, 0, len(xs) - 2, beyond)
     return arc[i] + share * math.sqrt(max((xs[i + 1] - xs[i]) ** 2 + (ys[i + 1] - ys[i]) ** 2, 1e-12)), away
@@ -124,7 +125,7 @@ def _place(
 
 @kernel
 def _places(
-    xs: NDArray[np.float64], ys: NDArray[np.float64], arc: NDArray[np.float64], places: Points, beyond: float
+    xs: Floats, ys: Floats, arc: Floats, places: Points, beyond: float
 ) -> Points:
     found = np.empty((len(places), 2))
     for k in range(len(places)):
@@ -133,7 +134,7 @@ def _places(
 
 
 @kernel
-def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+def _sampled(points: Points, arc_lengths: Floats, step: float) -> Floats:
     last = len(points) - 1
     n = max(math.ceil((arc_lengths[last] + step) / step - 1e-9), 2)
     out = np.empty((n, 3))
@@ -154,16 +155,25 @@ def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> N
     return out
 
 
-def eased(share: NDArray[np.float64]) -> NDArray[np.float64]:
+def eased(share: Floats) -> Floats:
     """Return 10t³ − 15t⁴ + 6t⁵: from 0 to 1 with no slope and no bend at either end, for `share` t in [0, 1]."""
     return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
 
 
-def moved_aside(line: Points, lateral: NDArray[np.float64]) -> Points:
+def moved_aside(line: Points, lateral: Floats) -> Points:
     """Return `line` (n, 2) moved to its left by `lateral` (n,), m."""
     along = np.gradient(line, axis=0)
     along /= np.maximum(np.hypot(*along.T), 1e-9)[:, None]
     return np.asarray(line + lateral[:, None] * np.column_stack([-along[:, 1], along[:, 0]]))
+
+
+def curvature_of(points: Points) -> Floats:
+    """Return the signed curvature (n,), 1/m, of evenly sampled `points` (n, 2) by central differences."""
+    first = np.gradient(points, axis=0)
+    second = np.zeros_like(points)
+    second[1:-1] = points[2:] - 2.0 * points[1:-1] + points[:-2]
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    return np.asarray(cross / np.maximum(np.hypot(first[:, 0], first[:, 1]) ** 3, 1e-9))
 
 
 def joined(parts: list[Points]) -> Points:
@@ -190,3 +200,9 @@ def _point(line: Polyline, s: float) -> Points:
         return point
     heading = line.heading_at(s)
     return np.asarray(point + outside * np.array([np.cos(heading), np.sin(heading)]))
+
+
+@kernel
+def wrapped(angle: float) -> float:
+    """Return `angle` (rad) in (-π, π]."""
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)

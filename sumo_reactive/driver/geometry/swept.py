@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.polyline import nearest_point
-
-Floats = NDArray[np.float64]
+from sumo_reactive.driver.geometry.polyline import Floats, nearest_point
 
 
 @kernel

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.geometry.angle import wrapped
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.geometry.polyline import eased
+from sumo_reactive.driver.geometry.polyline import eased, wrapped
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import MOVE_END_M, STANDING_SPEED, WHEELS_TURNED_RAD
 from sumo_reactive.driver.world.route import ScheduledStop

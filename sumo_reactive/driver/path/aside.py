@@ -10,10 +10,9 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
-from sumo_reactive.driver.geometry.polyline import Points, Polyline, moved_aside
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
 from sumo_reactive.driver.geometry.swept import off_tracking
 from sumo_reactive.driver.parameters import (
     CORRIDOR_MARGIN_M,
@@ -28,8 +27,6 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import road_of
-
-Floats = NDArray[np.float64]
 
 BEYOND_M = 0.2
 """Rear and, on the side of oncoming traffic, front may leave the lane by this: who drives in the middle of a lane of 3.2 m

@@ -10,11 +10,10 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
-from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, may_change, ways_beside
-from sumo_reactive.driver.path.lane_path import lane_path
+from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, ways_beside
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
-from sumo_reactive.driver.path.trajectory import Departure, Trajectory, lanes_at, trajectory
+from sumo_reactive.driver.path.trajectory import CurveStart, Trajectory, lanes_at, trajectory
 from sumo_reactive.driver.path.turnaround import leads_back, road_around, turn_in_moves
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
@@ -46,10 +45,10 @@ class PlanStart:
     route_index: int
     speed_factor: float = 1.0
 
-    def departure(self, wheelbase: float) -> Departure:
+    def curve_start(self, wheelbase: float) -> CurveStart:
         """Return where the front axle is and how it moves (F&L 1991, §3.1)."""
         heading = self.pose.heading + self.steering_angle
-        return Departure(*self.pose.ahead(wheelbase), heading, self.speed, self.steering_angle, self.speed_factor)
+        return CurveStart(*self.pose.ahead(wheelbase), heading, self.speed, self.steering_angle, self.speed_factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,15 +67,15 @@ def plan(
     """Return the nominal plan from `start` along `route`, at most PLAN_HORIZON_M ahead.
 
     `change_now` (+1 left, −1 right) begins the change to that neighbour lane at the car's pose; `aside` leads beside the
-    lane's centre, its places counted from the front axle. `choice` saves the route's lane outlooks from an earlier call.
-    PlanError names the edges that no lane sequence connects.
+    lane's centre, its places counted from the front axle. `choice` saves the lanes' costs from an earlier call. PlanError
+    names the edges that no lane sequence connects.
     """
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
     turns = _turns(reference, route, limits, vehicle_class)
     in_moves = [(turn.start, turn.end) for turn in turns]
-    course = trajectory(reference, start.departure(limits.wheelbase), limits, aside, in_moves)
+    course = trajectory(reference, start.curve_start(limits.wheelbase), limits, aside, in_moves)
     nominal = _on_curve(reference, course, limits, start, left, turns)
     kept_aside = None if aside is None else replace(aside, back=course.s(aside.back), until=course.s(aside.until))
     return replace(nominal, aside=kept_aside, ways_beside=ways_beside(choice, nominal.segments))

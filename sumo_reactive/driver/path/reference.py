@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from sumo_reactive.driver.caching import kept
-from sumo_reactive.driver.geometry.angle import wrapped
-from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, joined
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, joined, wrapped
 from sumo_reactive.driver.parameters import CURVE_RUNOUT_M, CURVE_STEP_M, LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
-from sumo_reactive.driver.path.lane_path import LaneStep
+from sumo_reactive.driver.path.lane_choice import LaneStep
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -180,7 +179,7 @@ REACH_M = 30.0
 """The way behind the end of the lane is looked at so far."""
 BEGUN_M = 0.5
 """A way that has just begun is on its lane for so long."""
-LEAST_M = 2.0
+LEAST_OVERRUN_M = 2.0
 """What a lane overruns the next one by less is smoothed away."""
 
 
@@ -215,4 +214,4 @@ def overrun_of(graph: RoadGraph, connection_id: str) -> Overrun | None:
         return None
     k = crosses[-1] if len(crosses) else leaves[0]
     left_out = own.spine.length - float(along[k])
-    return Overrun(float(along[k]), float(at[k])) if left_out > LEAST_M else None
+    return Overrun(float(along[k]), float(at[k])) if left_out > LEAST_OVERRUN_M else None

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop, TimeConstraint
 from sumo_reactive.driver.parameters import CURVATURE_WINDOW_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-
-Floats = NDArray[np.float64]
 
 MIN_SPEED = 0.1
 """m/s; keeps the time of a sample finite where a speed limit or a standing start is 0."""

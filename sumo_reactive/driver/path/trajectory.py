@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solveh_banded
 from scipy.ndimage import maximum_filter1d
 
-from sumo_reactive.driver.geometry.angle import wrapped
 from sumo_reactive.driver.geometry.curve import Curve, project_each
-from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, moved_aside
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, curvature_of, cut, eased, moved_aside, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
 from sumo_reactive.driver.parameters import (
     COMFORT_DEVIATION_M,
@@ -36,8 +34,6 @@ from sumo_reactive.driver.path.turning import turnable
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
 
-Floats = NDArray[np.float64]
-
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
 
@@ -48,7 +44,7 @@ PINNED_LENGTH_M = 0.05
 """Smoothing length of samples that must stay where they are."""
 
 
-class Departure(NamedTuple):
+class CurveStart(NamedTuple):
     """Where C begins: place of the front axle (m), direction of its motion (rad), speed (m/s) and steering angle (rad).
 
     `speed_factor` scales lane limits.
@@ -81,7 +77,7 @@ class Trajectory:
 
 
 def trajectory(
-    reference: Reference, start: Departure, limits: VehicleLimits, aside: Aside | None = None,
+    reference: Reference, start: CurveStart, limits: VehicleLimits, aside: Aside | None = None,
     in_moves: Sequence[tuple[float, float]] = (),
 ) -> Trajectory:  # fmt: skip
     """Return the smooth curve from `start` along the reference.
@@ -105,7 +101,7 @@ def trajectory(
     comfort = limits.comfort_lateral_acceleration / np.maximum(pace, 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
     kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
-    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, start.steering_angle, left_hand, kept)
+    fitted, index = turnable(fitted, lanes, limits, start.steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
     feet = _feet(centre.points_at(places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
@@ -119,7 +115,7 @@ def lanes_at(pieces: list[Piece], u: Floats) -> tuple[Floats, Floats]:
     return limits, halves
 
 
-def _met_from(line: Points, start: Departure, width: float, limits: VehicleLimits) -> tuple[Points, float]:
+def _met_from(line: Points, start: CurveStart, width: float, limits: VehicleLimits) -> tuple[Points, float]:
     """Return `line` bent at its beginning to lead from `start` in its direction, and the length of the transition, m.
 
     A quintic takes the offset and the difference of direction to zero. `width` (m) is the lane's.
@@ -220,15 +216,6 @@ def smoothed(line: Points, step: float, comfort_curvature: Floats) -> Points:
         lengths = np.where(maximum_filter1d(tight, reach), lengths * SMOOTHING_GROWTH, lengths)
         result = _fitted(line, stiffness, lengths)
     return np.asarray(result)
-
-
-def curvature_of(points: Points) -> Floats:
-    """Return the signed curvature (n,), 1/m, of evenly sampled `points` (n, 2) by central differences."""
-    first = np.gradient(points, axis=0)
-    second = np.zeros_like(points)
-    second[1:-1] = points[2:] - 2.0 * points[1:-1] + points[:-2]
-    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    return np.asarray(cross / np.maximum(np.hypot(first[:, 0], first[:, 1]) ** 3, 1e-9))
 
 
 def _fitted(line: Points, stiffness: Floats, lengths: Floats) -> Points:

@@ -22,7 +22,7 @@ from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
-class Watch(NamedTuple):
+class Threat(NamedTuple):
     """A lane from which a conflict can arise.
 
     A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`; the region
@@ -67,15 +67,15 @@ def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, oth
 
 
 @kept(4096)
-def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch, ...]]:
+def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Threat, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
-    table: dict[str, list[Watch]] = {}
+    table: dict[str, list[Threat]] = {}
     for conflict in conflicts_of(graph, connection_id):
         region = conflict.region.other.start, conflict.region.other.end
         for lane_id, behind in graph.lanes_behind(conflict.other):
-            table.setdefault(lane_id, []).append(Watch(conflict, -behind, (), *region))
+            table.setdefault(lane_id, []).append(Threat(conflict, -behind, (), *region))
         for approach in graph.approaches.get(conflict.other.id, ()):
-            table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges, *region))
+            table.setdefault(approach.lane_id, []).append(Threat(conflict, approach.distance, approach.edges, *region))
     return {lane: tuple(entries) for lane, entries in table.items()}
 
 
@@ -188,7 +188,7 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
 
 
 _Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
-"""A passage, and what a user of a lane may do to the ego on it: the fields of a `Watch`.
+"""A passage, and what a user of a lane may do to the ego on it: the fields of a `Threat`.
 
 It is plain because every user near is held against it at every step: a named tuple takes longer to take apart.
 """

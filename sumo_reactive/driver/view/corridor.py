@@ -12,6 +12,7 @@ from scipy.ndimage import maximum_filter1d
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.geometry.swept import off_tracking
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Cut
@@ -28,8 +29,6 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Array = NDArray[np.float64]
-
 SPEED_GAINED = 2.0
 """m/s; no command adds more to the ego's speed."""
 
@@ -43,16 +42,16 @@ BEHIND_SHARE = 0.5
 """Who is behind the rear axle by this share of the way to him stays behind the ego's middle, however it steers."""
 
 
-class Band(NamedTuple):
+class CorridorSides(NamedTuple):
     """How far the corridor reaches to the left and right of C at each sample (n,), and the farthest of all, m."""
 
-    left: Array
-    right: Array
+    left: Floats
+    right: Floats
     widest: float
 
 
 @kept(PLANS_KEPT)
-def band_of(curve: Curve, limits: VehicleLimits) -> Band:
+def band_of(curve: Curve, limits: VehicleLimits) -> CorridorSides:
     """Return the corridor that the body sweeps while the front axle follows C.
 
     In a bend the rear axle cuts the inside and the front bumper swings to the outside.
@@ -65,11 +64,11 @@ def band_of(curve: Curve, limits: VehicleLimits) -> Band:
     sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT)
     reach = np.max(sides, axis=0), -np.min(sides, axis=0)  # between two samples it is as wide as at the wider one
     left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
-    return Band(left, right, float(max(left.max(), right.max())))
+    return CorridorSides(left, right, float(max(left.max(), right.max())))
 
 
 @kernel
-def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Array, c: float, s: float) -> bool:
+def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Floats, c: float, s: float) -> bool:
     """Whether the cross-section of half-width `half` at a place of C meets a box (front x, y, heading, -, length, width).
 
     C runs along (tx, ty) there, the box along (c, s).
@@ -84,7 +83,7 @@ def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Array, c
 
 
 @kernel
-def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
+def _first_touch(px: float, py: float, heading: float, box: Floats) -> float:
     """Least arc length, relative to a pose of C, at which a corner of the box lies (m)."""
     c, s = math.cos(box[2]), math.sin(box[2])
     tx, ty = math.cos(heading), math.sin(heading)
@@ -94,8 +93,8 @@ def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
 
 @kernel
 def near_boxes(
-    boxes: Array, x: float, y: float, heading: float, speed: float, length: float
-) -> tuple[Array, NDArray[np.int64]]:
+    boxes: Floats, x: float, y: float, heading: float, speed: float, length: float
+) -> tuple[Floats, NDArray[np.int64]]:
     """Return those of `boxes` (n, 6) that are nearer than NEAR_M in |Δx| + |Δy|, (m, 8): with no turn rate and no end of
     their way; and which of them move and could touch an ego of `length` m within the time that turning is foreseen, (k, 2):
     their rows there and in `boxes`.
@@ -122,9 +121,9 @@ def near_boxes(
 
 @kernel
 def blocking_ones(
-    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
-    right: Array, widest: float,
-) -> tuple[NDArray[np.int64], Array]:  # fmt: skip
+    boxes: Floats, cx: Floats, cy: Floats, ch: Floats, step: float, start: float, end: float, left: Floats,
+    right: Floats, widest: float,
+) -> tuple[NDArray[np.int64], Floats]:  # fmt: skip
     """Return which of `boxes` (n, 6: front x, y, heading, speed, length, width) block a stretch of C (m,), and (m, 4): the
     first and last arc length that each blocks (m), its velocity along and across C (m/s).
 

@@ -7,25 +7,21 @@ from collections.abc import Iterator, Sequence
 from itertools import accumulate
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.angle import wrapped
-from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.geometry.polyline import Floats, Polyline, wrapped
 from sumo_reactive.driver.nouns.forecast import Forecast
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import FORECAST_REACH_M, PATH_STEP_M
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Array = NDArray[np.float64]
-
 
 def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> Forecast:
     """Return the paths of `users` for `duration` s; both branches, or all, where a route is unknown (F&L 1991, §2)."""
     ids: list[str] = []
-    chunks: list[Array] = []
+    chunks: list[Floats] = []
     bodies: list[float] = []
     for user in users:
         for path in _paths_of(graph, user):
@@ -46,7 +42,7 @@ def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> F
 NOBODY = Forecast((), np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 6)))
 
 
-def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Array, ...]:
+def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Floats, ...]:
     """Return the ways of a user; a body that stands on no lane has one, which starts at its front."""
     if user.lane_id or not user.is_halted:
         return paths_ahead(graph, user.lane_id, user.route[:3])
@@ -55,7 +51,7 @@ def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Array, ...]:
 
 
 @kept(4096)
-def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple[Array, ...]:
+def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple[Floats, ...]:
     """Return each way on from the start of a lane, (n, 3): x, y, heading every PATH_STEP_M.
 
     `edges` are the next ones of the route (empty: unknown, every way out counts). None for lanes outside `graph`.
@@ -104,7 +100,7 @@ def way_left(graph: RoadGraph, user: RoadUser) -> float:
 
 
 @kernel
-def turned(path: Array, front: float, way: float, heading: float, length: float) -> float:
+def turned(path: Floats, front: float, way: float, heading: float, length: float) -> float:
     """Return by how much (rad) a body of that `heading` and `length` (m) turns while its front drives `way` m along a path.
 
     Its front is `front` m from the start of the path. A rear that is not on the path yet comes to its start straight from
@@ -126,7 +122,7 @@ def turned(path: Array, front: float, way: float, heading: float, length: float)
 
 
 @kernel
-def point_at(path: Array, s: float) -> tuple[float, float]:
+def point_at(path: Floats, s: float) -> tuple[float, float]:
     """Return the point (m) at arc length `s` of a path, between the samples next to it."""
     u = s / PATH_STEP_M
     i = min(max(int(u), 0), len(path) - 2)
@@ -134,7 +130,7 @@ def point_at(path: Array, s: float) -> tuple[float, float]:
     return path[i, 0] + share * (path[i + 1, 0] - path[i, 0]), path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
 
 
-def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:
+def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Floats]]:
     spine = graph.lanes[lane_id].spine
     own = graph.connection_of.get(lane_id)
     if own is not None and not own.is_crossing:

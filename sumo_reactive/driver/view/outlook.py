@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sumo_reactive.driver.geometry.polyline import Points
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.plan import NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
@@ -57,8 +57,6 @@ def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
     return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + ASSESSED_S * u.speed))
 
 
-Points = NDArray[np.float64]
-
 _POSE_STEP_M = 0.5
 """Poses of a move are looked at this far apart."""
 
@@ -75,7 +73,7 @@ def who_comes_over(
     if turn is None or snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
         return ""
     known = {foe.user.id for foe in snapshot.foes}
-    ground = ground_of(turn, snapshot.ego, limits)
+    ground = swept_ground(turn, snapshot.ego, limits)
     own_road = graph.lanes[turn.from_lane].edge_id
     for user in users:
         if user.id in known or user.lane_id == turn.from_lane or own_road in user.route[1:3]:  # he will be behind the ego
@@ -106,7 +104,7 @@ def _drives_over(
     return any(len(way) and _least_distance(way, ground) < near for way in ways)
 
 
-def ground_of(turn: Turnaround, ego: VehicleState, limits: VehicleLimits) -> Points:
+def swept_ground(turn: Turnaround, ego: VehicleState, limits: VehicleLimits) -> Points:
     """Return points (n, 2), m, on the middle of the body from bumper to bumper, in poses all along the moves of a turn."""
     pose, poses = ego.pose, [ego.pose]
     for move in turn.moves:

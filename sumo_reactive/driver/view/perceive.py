@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from struct import pack_into
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
@@ -29,9 +29,7 @@ from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_to
 from sumo_reactive.driver.view.static import static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Array = NDArray[np.float64]
-
-_NO_BOXES: Array = np.empty((0, 6))
+_NO_BOXES: Floats = np.empty((0, 6))
 
 
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
@@ -59,9 +57,10 @@ def perceive(
     sought = lane_sought(graph, plan, front)
     cut = None if sought else next_cut(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought
-    neighbours = tuple(_neighbours(traffic.users, beside, plan, graph, ego, front, limits)) if beside else ()
+    own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
+    neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
     near = _near(traffic.users, boxes, graph, ego, limits)
-    static = static_near(graph, plan, vehicle_class, s, *ego.pose.ahead(limits.wheelbase), traffic.static)
+    static = static_near(graph, plan, vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
     behind = tuple(leaders(met, front, ego.speed, limits))
@@ -72,7 +71,7 @@ def perceive(
     return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
 
 
-def _boxes(users: tuple[RoadUser, ...]) -> Array:
+def _boxes(users: tuple[RoadUser, ...]) -> Floats:
     """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
     if not users:
         return _NO_BOXES
@@ -86,8 +85,8 @@ def _boxes(users: tuple[RoadUser, ...]) -> Array:
 
 
 def _near(
-    users: tuple[RoadUser, ...], boxes: Array, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
-) -> Array:
+    users: tuple[RoadUser, ...], boxes: Floats, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
+) -> Floats:
     """Return the boxes (m, 8) of those of `users` who are near; who cannot be touched within the foreseen time has no turn
     rate, and no end of his way."""
     pose = ego.pose
@@ -100,7 +99,7 @@ def _near(
 
 
 def _on_path(
-    users: tuple[RoadUser, ...], boxes: Array, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
+    users: tuple[RoadUser, ...], boxes: Floats, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
 ) -> list[PathObstacle]:
     curve = plan.curve
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
@@ -137,12 +136,7 @@ def _passes_by(
     return False
 
 
-def _neighbours(
-    users: tuple[RoadUser, ...], lane_id: str, plan: NominalPlan, graph: RoadGraph, ego: VehicleState, front: float,
-    limits: VehicleLimits,
-) -> Iterator[Neighbour]:  # fmt: skip
-    axis = lane_axis(graph, lane_id)
-    own = place_beside(graph, plan, lane_id, front, *ego.pose.ahead(limits.front_to_rear_axle))
+def _neighbours(users: tuple[RoadUser, ...], axis: Mapping[str, float], own: float) -> Iterator[Neighbour]:
     for user in users:
         start = axis.get(user.lane_id)
         if start is not None:

@@ -10,7 +10,7 @@ from helpers.curves import STEP, straight, turning
 
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
-from sumo_reactive.driver.view.corridor import Band, band_of, blocking_ones
+from sumo_reactive.driver.view.corridor import CorridorSides, band_of, blocking_ones
 
 BUS = replace(CAR, length=12.0, width=2.5, wheelbase=7.2, front_overhang=2.16)
 
@@ -18,9 +18,9 @@ HALF = 1.1
 """m; half the ego's width and the margin."""
 
 
-def even(curve: Curve) -> Band:
+def even(curve: Curve) -> CorridorSides:
     """A corridor of HALF on either side."""
-    return Band(np.full(len(curve.x), HALF), np.full(len(curve.x), HALF), HALF)
+    return CorridorSides(np.full(len(curve.x), HALF), np.full(len(curve.x), HALF), HALF)
 
 
 def blocked(curve: Curve, *box: float, start: float = 0.0, end: float = 100.0) -> list[float]:

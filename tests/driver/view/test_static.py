@@ -19,7 +19,7 @@ def ego():
 def near(ego, s: float, extra=NO_POINTS):
     """The points of O_S with the front axle on C at `s`."""
     x, y, _ = ego.plan.curve.at(s)
-    return static_near(ego.graph, ego.plan, "passenger", s, x, y, extra)
+    return static_near(ego.graph, ego.plan, "passenger", s, (x, y), extra)
 
 
 def test_the_own_side_of_the_road_ends_half_a_lane_and_the_other_one_and_a_half_lanes_away(ego):
