@@ -9,6 +9,9 @@ import numpy as np
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats, nearest_point
 
+ARC_SHARE = 1.5
+"""The way along a line between two places is no longer than so many times their distance, in any bend that is driven."""
+
 
 @kernel
 def off_tracking(
@@ -23,7 +26,7 @@ def off_tracking(
     n = len(xs)
     rear, bumper = np.zeros(n), np.zeros(n)
     rx, ry = xs[0] - wheelbase * math.cos(heading), ys[0] - wheelbase * math.sin(heading)
-    behind, ahead = int(wheelbase / step) + 1, int(overhang / step) + 1
+    behind, ahead = int(ARC_SHARE * wheelbase / step) + 1, int(ARC_SHARE * overhang / step) + 1
     for i in range(n):
         dx, dy = xs[i] - rx, ys[i] - ry
         away = max(math.hypot(dx, dy), 1e-6)
