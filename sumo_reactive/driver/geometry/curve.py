@@ -35,24 +35,23 @@ class Curve:
         """Arc length from the first to the last sample, m."""
         return (len(self.x) - 1) * self.step
 
-    def at(self, s: float) -> tuple[float, float, float]:
-        """Return (x, y, heading) at arc length `s`, interpolated, clamped to the ends."""
+    def sample_at(self, s: float) -> tuple[int, float]:
+        """Return the sample before arc length `s`, clamped to the ends, and how far on to the next one that is, in steps."""
         u = min(max(s / self.step, 0.0), len(self.x) - 1.0)
         i = min(int(u), len(self.x) - 2)
-        f = u - i
-        x, y, heading = self.x.item(i), self.y.item(i), self.heading.item(i)
-        return (
-            x + f * (self.x.item(i + 1) - x),
-            y + f * (self.y.item(i + 1) - y),
-            heading + f * (self.heading.item(i + 1) - heading),
-        )
+        return i, u - i
+
+    def at(self, s: float) -> tuple[float, float, float]:
+        """Return (x, y, heading) at arc length `s`, interpolated, clamped to the ends."""
+        i, f = self.sample_at(s)
+        x, y = self.x.item(i), self.y.item(i)
+        return x + f * (self.x.item(i + 1) - x), y + f * (self.y.item(i + 1) - y), self.heading_at(s)
 
     def heading_at(self, s: float) -> float:
         """Return the heading at arc length `s`, interpolated, clamped to the ends, rad."""
-        u = min(max(s / self.step, 0.0), len(self.heading) - 1.0)
-        i = min(int(u), len(self.heading) - 2)
+        i, f = self.sample_at(s)
         heading = self.heading.item(i)
-        return heading + (u - i) * (self.heading.item(i + 1) - heading)
+        return heading + f * (self.heading.item(i + 1) - heading)
 
 
 @kernel

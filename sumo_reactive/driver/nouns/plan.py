@@ -184,10 +184,9 @@ class NominalPlan:
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""
-        samples = min(max(s / self.curve.step, 0.0), len(self.times) - 1.0)
-        i = min(int(samples), len(self.times) - 2)
+        i, f = self.curve.sample_at(s)
         here, ahead = self.times.item(i), self.times.item(i + 1)
-        return time - here - (samples - i) * (ahead - here)
+        return time - here - f * (ahead - here)
 
     def nominal_speed(self, s: float) -> float:
         """The speed on schedule with the front axle at arc length `s`, m/s."""
