@@ -9,24 +9,24 @@ import numpy as np
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats, nearest_point
 
-ARC_SHARE = 1.5
-"""The way along a line between two places is no longer than so many times their distance, in any bend that is driven."""
-
 
 @kernel
 def off_tracking(
-    xs: Floats, ys: Floats, headings: Floats, step: float, heading: float, wheelbase: float, overhang: float, turned: float
-) -> tuple[Floats, Floats]:
-    """Return how far (n,), m, rear axle and front bumper pass to the left of each sample of a line, at most.
+    xs: Floats, ys: Floats, headings: Floats, step: float, heading: float, wheelbase: float, overhang: float,
+    turned: float, reach: float,
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Return how far, m, rear axle and front bumper pass to the left of each sample of a line: (n, 2) each, most and least,
+    0 where they are on it.
 
     The front axle follows the line, `xs`, `ys` (n,), m, sampled every `step` m, which leads along `headings` (n,); the body
     has `heading` (rad) at the first sample. `wheelbase` and front `overhang` in m. Where the body is turned from the
-    line by less than the angle of sine `turned`, it counts as on it.
+    line by less than the angle of sine `turned`, it counts as on it. The way along the line to where axle or bumper are
+    beside it is at most `reach` times as long as that from the front axle straight.
     """
     n = len(xs)
-    rear, bumper = np.zeros(n), np.zeros(n)
+    rear, bumper = np.zeros((n, 2)), np.zeros((n, 2))
     rx, ry = xs[0] - wheelbase * math.cos(heading), ys[0] - wheelbase * math.sin(heading)
-    behind, ahead = int(ARC_SHARE * wheelbase / step) + 1, int(ARC_SHARE * overhang / step) + 1
+    behind, ahead = int(reach * wheelbase / step) + 1, int(reach * overhang / step) + 1
     for i in range(n):
         dx, dy = xs[i] - rx, ys[i] - ry
         away = max(math.hypot(dx, dy), 1e-6)
@@ -43,11 +43,10 @@ def off_tracking(
 def _note(
     xs: Floats, ys: Floats, headings: Floats, found: Floats, x: float, y: float, first: int, last: int
 ) -> None:
-    """Note in `found` (n,) how far (m) (x, y) is to the left of the nearest sample from index `first` to `last`."""
+    """Note in `found` (n, 2) how far (m) (x, y) is to the left of the nearest sample from index `first` to `last`."""
     i = nearest_point(xs, ys, x, y, first, last)
     aside = (y - ys[i]) * math.cos(headings[i]) - (x - xs[i]) * math.sin(headings[i])
-    if abs(aside) > abs(found[i]):
-        found[i] = aside
+    found[i, 0], found[i, 1] = max(found[i, 0], aside), min(found[i, 1], aside)
 
 
 def steering_along(headings: Floats, steps: Floats, wheelbase: float, angle: float) -> Floats:

@@ -31,6 +31,8 @@ from sumo_reactive.driver.world.lane import road_of
 BEYOND_M = 0.2
 """Rear and, on the side of oncoming traffic, front may leave the lane by this: who drives in the middle of a lane of 3.2 m
 leaves 0.7 m."""
+CORNER_REACH = 1.5
+"""Round the corners of a line that is not smooth yet, the way is longer than straight by up to this factor."""
 LEAST_M = 1e-4
 """Less is rounding."""
 BUMPER_SPARE_M = 0.3
@@ -53,7 +55,8 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
     ahead = np.gradient(line, axis=0)
     headings, (xs, ys) = np.arctan2(ahead[:, 1], ahead[:, 0]), Polyline(line).columns
     sizes = limits.wheelbase, limits.front_overhang
-    rear, bumper = off_tracking(xs, ys, headings, CURVE_STEP_M, headings[0], *sizes, 0.0)
+    most = off_tracking(xs, ys, headings, CURVE_STEP_M, headings[0], *sizes, 0.0, CORNER_REACH)
+    rear, bumper = (np.where(side[:, 0] >= -side[:, 1], side[:, 0], side[:, 1]) for side in most)
     rear[[0, -1]] = bumper[[0, -1]] = 0.0  # what is before or behind the line is noted there
     half = 0.5 * limits.width
     excess = np.abs(rear) + half - BEYOND_M - half_widths
@@ -61,9 +64,9 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
         return line
     oncoming = rear < 0.0 if not left_hand else rear > 0.0  # the outside of the bend
     room = half_widths + np.where(oncoming, BEYOND_M - half, half - BUMPER_SPARE_M) - np.abs(bumper)
-    most = np.minimum(0.5 * np.abs(rear), np.minimum(room, MAX_CENTRING_M))
+    allowed = np.minimum(0.5 * np.abs(rear), np.minimum(room, MAX_CENTRING_M))
     reach = _eased_over(limits)
-    shift = -np.sign(rear) * np.clip(excess, 0.0, np.maximum(minimum_filter1d(most, 2 * reach + 1), 0.0))
+    shift = -np.sign(rear) * np.clip(excess, 0.0, np.maximum(minimum_filter1d(allowed, 2 * reach + 1), 0.0))
     return moved_aside(line, _eased_in(shift, reach))
 
 

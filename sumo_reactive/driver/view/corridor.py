@@ -61,8 +61,8 @@ def band_of(curve: Curve, limits: VehicleLimits) -> CorridorSides:
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
     heading = float(curve.heading[0]) - angle
     sizes = wheelbase, limits.front_overhang
-    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT)
-    reach = np.max(sides, axis=0), -np.min(sides, axis=0)  # between two samples it is as wide as at the wider one
+    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT, 1.0)
+    reach = np.max(sides, axis=(0, 2)), -np.min(sides, axis=(0, 2))  # between two samples as wide as at the wider one
     left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
     return CorridorSides(left, right, float(max(left.max(), right.max())))
 
