@@ -23,7 +23,6 @@ from sumo_reactive.errors import PlanError
 
 LATE_M = 0.3
 """A car past the place where a turn in several moves begins by more than this turns in one sweep."""
-
 PROJECTION_REACH_M = 15.0
 """The front axle is looked for this far around its stated lane position."""
 

@@ -43,13 +43,9 @@ def accelerating_from(speeds: Floats, step: float, acceleration: float) -> Float
 
 
 def time_constraints(
-    step: float,
-    envelope: Floats,
-    places: Sequence[float],
-    stops: Sequence[PlannedStop],
-    limits: VehicleLimits,
+    step: float, envelope: Floats, places: Sequence[float], stops: Sequence[PlannedStop], limits: VehicleLimits,
     start: tuple[float, float],
-) -> tuple[tuple[TimeConstraint, ...], Floats]:
+) -> tuple[tuple[TimeConstraint, ...], Floats]:  # fmt: skip
     """Return when the front bumper reaches `places` and `stops` (m on C) at the earliest, and the times (n,) of F.
 
     `envelope` (n,) are the highest speeds (m/s) at samples `step` m apart; `start` is (time s, speed m/s). A stop's

@@ -36,10 +36,8 @@ from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, QUI
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
-
 MIN_STRETCH = 0.05
 """Least metres of C per metre of reference: inside a bend about a point of the line its places keep their order."""
-
 PINNED_LENGTH_M = 0.05
 """Smoothing length of samples that must stay where they are."""
 

@@ -78,9 +78,6 @@ class Around(NamedTuple):
     behind: tuple[str, ...] = ()
 
 
-NOTHING_AROUND = Around()
-
-
 def road_near(lanes: Sequence[Lane], x: float, y: float) -> Floats:
     """Return the road that `lanes` cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to (x, y) with half their
     width, (k, 5), m."""
@@ -203,12 +200,9 @@ def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: i
 
 @kept(TURNAROUNDS_KEPT)
 def turn_in_moves(
-    graph: RoadGraph,
-    connection_id: str,
-    limits: VehicleLimits,
-    vehicle_class: str = "passenger",
-    around: Around = NOTHING_AROUND,
-) -> MultiPointTurn | None:
+    graph: RoadGraph, connection_id: str, limits: VehicleLimits, vehicle_class: str = "passenger",
+    around: Around | None = None,
+) -> MultiPointTurn | None:  # fmt: skip
     """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
 
     As few moves as possible, and if it can be with the middles of its bumpers on the road, to which the lanes `around`
@@ -216,7 +210,7 @@ def turn_in_moves(
     """
     connection = graph.connections[connection_id]
     own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
-    turned = _turned(own, connection, behind)
+    turned, around = _turned(own, connection, behind), around or Around()
     inside = [graph.lanes[name] for name in (*connection.parts, *around.before, *around.behind)]
     before, exits = (
         [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
@@ -291,7 +285,8 @@ def _searched(task: _Task, beginnings: list[tuple[float, Pose]], most: int) -> M
         seen.add(place)
         last = _last_move(task, pose, lock) if gear > 0 else None
         if last is not None:
-            return _turn(before, (*moves, last[0]), way + last[1], task.front_along(last[2]))
+            duration = (way + last[1]) / MOVE_SPEED + MOVE_CHANGE_S * (len(moves) + 1)
+            return MultiPointTurn(before, (*moves, last[0]), duration, task.front_along(last[2]))
         arc = task.arc(pose, gear, gear * lock)
         end = min(len(arc), task.turned(arc) - 1)
         for k in {int(share * end) for share in SHARES}:
@@ -311,7 +306,3 @@ def _last_move(task: _Task, pose: Pose, lock: float) -> tuple[Move, float, Pose]
         if end is not None and task.ends_in_lane(end):
             return task.move(1, share * lock, task.until, is_last=True), k * ARC_STEP_M, end
     return None
-
-
-def _turn(before: float, moves: tuple[Move, ...], way: float, into: float) -> MultiPointTurn:
-    return MultiPointTurn(before, moves, way / MOVE_SPEED + MOVE_CHANGE_S * len(moves), into)

@@ -10,7 +10,6 @@ from sumo_reactive.driver.parameters import PLANNED_DECELERATION
 
 LARGEST = {"length": 100.0, "width": 10.0, "wheelbase": 100.0, "front_overhang": 100.0, "max_steering_angle": 0.5 * math.pi}
 """What no road vehicle exceeds, m and rad; the longest road trains have 54 m."""
-
 LARGEST_OTHERWISE = 1000.0
 """The same for every other limit, in its unit."""
 

@@ -29,7 +29,6 @@ def travel_time(distance: float, speed: float, acceleration: float, top_speed: f
 
 QUINTIC_STEP_CURVATURE = 5.77
 """Peak curvature of a quintic lateral step, times length² / offset."""
-
 QUINTIC_TURN_CURVATURE = 3.6
 """Peak curvature of a quintic that takes out a heading error, times length / error."""
 

@@ -31,13 +31,10 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 
 SPEED_GAINED = 2.0
 """m/s; no command adds more to the ego's speed."""
-
 WIDTHS_M = 5.0
 """m; no two bodies are wider together."""
-
 STRAIGHT = 0.02
 """Sine of the angle to C up to which the body counts as on it."""
-
 BEHIND_SHARE = 0.5
 """Who is behind the rear axle by this share of the way to him stays behind the ego's middle, however it steers."""
 

@@ -101,7 +101,7 @@ def _drives_over(
     first = max(int(user.lane_position / PATH_STEP_M), 0)
     last = first + 2 + int(user.speed * duration / PATH_STEP_M)
     ways = (path[first:last, :2] for path in paths_ahead(graph, user.lane_id, user.route[:3]))
-    return any(len(way) and _least_distance(way, ground) < near for way in ways)
+    return any(len(way) and np.hypot(*(way[:, None, :] - ground).transpose(2, 0, 1)).min() < near for way in ways)
 
 
 def swept_ground(turn: Turnaround, ego: VehicleState, limits: VehicleLimits) -> Points:
@@ -116,7 +116,3 @@ def swept_ground(turn: Turnaround, ego: VehicleState, limits: VehicleLimits) -> 
     x, y, heading = np.array([(one.x, one.y, one.heading) for one in poses]).T
     along = np.linspace(-limits.rear_overhang, limits.front_to_rear_axle, 5)[:, None]
     return np.column_stack(((x + along * np.cos(heading)).ravel(), (y + along * np.sin(heading)).ravel()))
-
-
-def _least_distance(path: Points, ground: Points) -> float:
-    return float(np.hypot(*(path[:, None, :] - ground[None, :, :]).transpose(2, 0, 1)).min())
