@@ -11,7 +11,7 @@ from sumo_reactive.driver.geometry.polyline import Floats, nearest_point
 
 
 @kernel
-def off_tracking(
+def swept_sides(
     xs: Floats, ys: Floats, headings: Floats, step: float, heading: float, wheelbase: float, overhang: float,
     turned: float, reach: float,
 ) -> tuple[Floats, Floats]:  # fmt: skip

@@ -73,7 +73,7 @@ class LaneChange:
 
 
 @dataclass(frozen=True, slots=True)
-class WayBeside:
+class ParallelLane:
     """From `from_lane` of C, where C changes no lane, the route can as well be driven by `to_lane` beside it, on `side` (+1
     left, −1 right), with no change back on this road.
 
@@ -163,7 +163,7 @@ class NominalPlan:
     arc length where the front bumper has arrived, or None when the plan ends before the route does. `times` (n,) is when
     the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
     planned. `aside`: C leaves the lane's centre to pass somebody. `missed`: C begins a new route, since the turn to this
-    edge was missed (empty: it does not). `ways_beside`: other lanes that do as well, by route index.
+    edge was missed (empty: it does not). `parallel_lanes`: other lanes that do as well, by route index.
     `turnarounds`: where the car turns in several moves.
     """
 
@@ -179,7 +179,7 @@ class NominalPlan:
     joins: float = 0.0
     aside: Aside | None = None
     missed: str = ""
-    ways_beside: Mapping[int, tuple[WayBeside, ...]] = field(default_factory=dict)
+    parallel_lanes: Mapping[int, tuple[ParallelLane, ...]] = field(default_factory=dict)
     turnarounds: tuple[Turnaround, ...] = ()
 
     def delay(self, s: float, time: float) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
-from sumo_reactive.driver.geometry.swept import off_tracking
+from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.parameters import (
     CORRIDOR_MARGIN_M,
     CURVE_STEP_M,
@@ -55,7 +55,7 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
     ahead = np.gradient(line, axis=0)
     headings, (xs, ys) = np.arctan2(ahead[:, 1], ahead[:, 0]), Polyline(line).columns
     sizes = limits.wheelbase, limits.front_overhang
-    most = off_tracking(xs, ys, headings, CURVE_STEP_M, headings[0], *sizes, 0.0, CORNER_REACH)
+    most = swept_sides(xs, ys, headings, CURVE_STEP_M, headings[0], *sizes, 0.0, CORNER_REACH)
     rear, bumper = (np.where(side[:, 0] >= -side[:, 1], side[:, 0], side[:, 1]) for side in most)
     rear[[0, -1]] = bumper[[0, -1]] = 0.0  # what is before or behind the line is noted there
     half = 0.5 * limits.width

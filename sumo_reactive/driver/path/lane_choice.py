@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
-from sumo_reactive.driver.nouns.plan import LaneSegment, WayBeside
+from sumo_reactive.driver.nouns.plan import LaneSegment, ParallelLane
 from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane, separation
@@ -195,7 +195,7 @@ def _stages(graph: RoadGraph, route: Route) -> Iterator[Stage]:
         raise PlanError(f"scheduled stop on lane '{pending[0].lane_id}' at {pending[0].position:.1f} m is not on the route")
 
 
-def ways_beside(choice: LaneChoice, segments: tuple[LaneSegment, ...]) -> Mapping[int, tuple[WayBeside, ...]]:
+def parallel_lanes(choice: LaneChoice, segments: tuple[LaneSegment, ...]) -> Mapping[int, tuple[ParallelLane, ...]]:
     """Return, by route index, the lanes beside C by which the route can be driven with no change back on that edge.
 
     Where C itself changes lanes on an edge, there are none: that change comes first.
@@ -206,7 +206,7 @@ def ways_beside(choice: LaneChoice, segments: tuple[LaneSegment, ...]) -> Mappin
     return {index: ways for index, ways in found.items() if ways}
 
 
-def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[WayBeside]:
+def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[ParallelLane]:
     own, left_hand = choice.graph.lanes[segment.lane_id], choice.graph.left_hand
     number = choice.stage_at(segment.route_index, segment.lane_offset / own.scale)
     lanes, onward = choice.stages[number].lanes, choice.onward[number]
@@ -215,7 +215,7 @@ def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[WayBeside]:
             continue
         if may_change(own, lanes[index], choice.vehicle_class, left_hand):
             side = -1 if (index > own.index) == left_hand else 1
-            yield WayBeside(own.id, lanes[index].id, side, 1.0 + onward[index].cost - onward[own.index].cost)
+            yield ParallelLane(own.id, lanes[index].id, side, 1.0 + onward[index].cost - onward[own.index].cost)
 
 
 @dataclass(frozen=True, eq=False)

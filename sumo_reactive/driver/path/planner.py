@@ -10,7 +10,7 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
-from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, ways_beside
+from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.driver.path.trajectory import CurveStart, Trajectory, lanes_at, trajectory
@@ -77,7 +77,7 @@ def plan(
     course = trajectory(reference, start.curve_start(limits.wheelbase), limits, aside, in_moves)
     nominal = _on_curve(reference, course, limits, start, left, turns)
     kept_aside = None if aside is None else replace(aside, back=course.s(aside.back), until=course.s(aside.until))
-    return replace(nominal, aside=kept_aside, ways_beside=ways_beside(choice, nominal.segments))
+    return replace(nominal, aside=kept_aside, parallel_lanes=parallel_lanes(choice, nominal.segments))
 
 
 def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str) -> list[Turnaround]:

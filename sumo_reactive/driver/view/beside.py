@@ -53,7 +53,7 @@ def queues(
     traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, here: LaneSegment, graph: RoadGraph
 ) -> tuple[Queue, ...]:
     """Return the queue on the ego's lane and on each lane beside that leads on as well; none if no such lane is there."""
-    ways = tuple(way for way in plan.ways_beside.get(here.route_index, ()) if way.from_lane == here.lane_id)
+    ways = tuple(way for way in plan.parallel_lanes.get(here.route_index, ()) if way.from_lane == here.lane_id)
     if not ways:
         return ()
     place = plan.curve.at(snapshot.front)[:2]

@@ -13,9 +13,9 @@ from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import Floats
-from sumo_reactive.driver.geometry.swept import off_tracking
+from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Cut
+from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.parameters import (
     CORRIDOR_MARGIN_M,
     CUT_M,
@@ -58,7 +58,7 @@ def band_of(curve: Curve, limits: VehicleLimits) -> CorridorSides:
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
     heading = float(curve.heading[0]) - angle
     sizes = wheelbase, limits.front_overhang
-    sides = off_tracking(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT, 1.0)
+    sides = swept_sides(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT, 1.0)
     reach = np.max(sides, axis=(0, 2)), -np.min(sides, axis=(0, 2))  # between two samples as wide as at the wider one
     left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
     return CorridorSides(left, right, float(max(left.max(), right.max())))
@@ -158,7 +158,7 @@ def blocking_ones(
 
 
 @kept(PLANS_KEPT)
-def cuts_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Cut, ...]:
+def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[OffTracking, ...]:
     """Return where the body covers lanes beside its own while the front axle follows C, in order along C.
 
     Where C itself leads from lane to lane it cuts into none.
@@ -176,20 +176,23 @@ def cuts_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple
             at = first + np.flatnonzero(reach > 0.5 * own.width + CUT_M)
             if lane is not None and len(at):
                 runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
-                found += [Cut(float(run[0]) * curve.step, float(run[-1]) * curve.step, left, lane.id) for run in runs]
+                ends = ((float(run[0]) * curve.step, float(run[-1]) * curve.step) for run in runs)
+                found += [OffTracking(*stretch, left, lane.id) for stretch in ends]
     return tuple(sorted(found))
 
 
-def next_cut(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s: float, front: float) -> Cut | None:
-    """Return the next cut into the lane of a road, if it is in sight and its end not yet passed; none during a lane change.
+def next_off_tracking(
+    plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s: float, front: float
+) -> OffTracking | None:
+    """Return the next off-tracking into the lane of a road that is in sight and not yet passed; none during a lane change.
 
     `s`, `front`: arc length of front axle and front bumper on C, m.
     """
-    for cut in cuts_of(plan, graph, limits):
-        if cut.start > front + CUT_SIGHT_M:
+    for found in off_tracking_of(plan, graph, limits):
+        if found.start > front + CUT_SIGHT_M:
             break
-        if cut.end > s and not cut.lane_id.startswith(":"):
-            return cut
+        if found.end > s and not found.lane_id.startswith(":"):
+            return found
     return None
 
 

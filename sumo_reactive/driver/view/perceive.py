@@ -23,7 +23,7 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import foes_of, in_sight, lane_axis, lane_sought, place_beside
-from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes, next_cut
+from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes, next_off_tracking
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
 from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
 from sumo_reactive.driver.view.static import static_near
@@ -55,7 +55,7 @@ def perceive(
     sight = in_sight(plan, front, ego.speed)
     foes = foes_of(traffic, plan, graph, sight) if looks_for_foes else ()
     sought = lane_sought(graph, plan, front)
-    cut = None if sought else next_cut(plan, graph, limits, s, front)
+    cut = None if sought else next_off_tracking(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
