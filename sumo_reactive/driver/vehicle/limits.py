@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 from sumo_reactive.driver.parameters import PLANNED_DECELERATION
@@ -48,6 +48,14 @@ class VehicleLimits:
                 raise ValueError(f"vehicle {name} is {value:g}, more than {most:g}")
         if not (self.front_overhang >= 0.0 and self.rear_overhang >= 0.0):
             raise ValueError("wheelbase and front overhang do not fit the vehicle's length")
+
+    def __hash__(self) -> int:
+        """Return the hash of all limits, found once: what is worked out for a car is looked up by it at every step."""
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, field.name) for field in fields(self)))
 
     @cached_property
     def rear_overhang(self) -> float:
