@@ -26,8 +26,7 @@ from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.attention import conflicts_of
-from sumo_reactive.driver.view.foes import foes_of
+from sumo_reactive.driver.view.attention import conflicts_of, foes_of
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import static_within

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import libsumo
 
-from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import STANDING_SPEED, TELEPORT_GUARD_S

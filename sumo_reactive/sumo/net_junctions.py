@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Points, cut, joined
 from sumo_reactive.driver.parameters import HOLD_BACK_REACH_M
-from sumo_reactive.driver.world.conflicts import hold_back, inside_part
 from sumo_reactive.driver.world.junction import Connection, Junction
+from sumo_reactive.driver.world.regions import hold_back, inside_part
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_connections import LaneOf, connection_from

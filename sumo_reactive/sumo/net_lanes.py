@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Points, Polyline
 from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
-from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
+from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of
 

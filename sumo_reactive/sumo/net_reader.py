@@ -9,13 +9,10 @@ from typing import Protocol
 from xml.etree.ElementTree import Element
 
 from sumo_reactive.driver.parameters import APPROACH_HORIZON_M
-from sumo_reactive.driver.world.approach import Approach, approaches_to
-from sumo_reactive.driver.world.conflicts import conflict_regions
 from sumo_reactive.driver.world.junction import Connection, Junction
-from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.opposite import nearest_opposite
-from sumo_reactive.driver.world.regions import ConflictRegion
-from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.lane import Lane, nearest_opposite
+from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions
+from sumo_reactive.driver.world.road_graph import Approach, RoadGraph, approaches_to
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of, parse
 from sumo_reactive.sumo.net_junctions import junction_from

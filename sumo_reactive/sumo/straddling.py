@@ -9,7 +9,7 @@ from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.cuts import cuts_of, lane_at_side
+from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -162,7 +162,7 @@ def cut_lane(
     """
     front = s + limits.front_overhang
     rear, ahead = front - limits.length, max(min(front + speed * CUT_SEEN_S, stop), front)
-    for cut in cuts_of(plan, graph, limits):
+    for cut in off_tracking_of(plan, graph, limits):
         if rear < cut.end and cut.start < ahead:
             beside = lane_at_side(graph, here.lane_id, cut.left)
             return graph.lanes[cut.lane_id] if beside is None and cut.lane_id.startswith(":") else beside

@@ -16,7 +16,7 @@ from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_comm
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
-from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Instruction, Reason

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.parameters import CLEARANCE_M, NEAR_M, SHADOW_SCALE
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Cut, Neighbour, Snapshot
+from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.parameters import (
     CALL_OFF_SHARE,
     CREEPING_SPEED,
@@ -57,8 +57,8 @@ def _is_made(change: LaneChange, plan: NominalPlan) -> bool:
 
 def seeks(snapshot: Snapshot, plan: NominalPlan) -> bool:
     """Whether it is time to seek a gap on the lane beside, or to see that it stays open."""
-    if snapshot.cut is not None or not plan.lane_changes:
-        return snapshot.cut is not None
+    if snapshot.off_tracking is not None or not plan.lane_changes:
+        return snapshot.off_tracking is not None
     return pending(snapshot, plan) is not None or just_begun(snapshot, plan) is not None
 
 
@@ -78,7 +78,8 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
         return _called_off(snapshot, plan, begun, limits)
     change = pending(snapshot, plan)
     if change is None:
-        return LaneChanging() if snapshot.cut is None else _before_cut(snapshot, snapshot.cut, plan, limits, waited)
+        aside = snapshot.off_tracking
+        return LaneChanging() if aside is None else _before_cut(snapshot, aside, plan, limits, waited)
     left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
     urgency = min(1.0, max(0.0, 1.0 - left / pressing))
     blocker = _blocker(snapshot, limits, urgency)
@@ -112,7 +113,9 @@ def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> b
     return last - snapshot.front > snapshot.ego.speed**2 / (2.0 * limits.comfort_deceleration)
 
 
-def _before_cut(snapshot: Snapshot, cut: Cut, plan: NominalPlan, limits: VehicleLimits, waited: float) -> LaneChanging:
+def _before_cut(
+    snapshot: Snapshot, cut: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
+) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
     left, speed = cut.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):

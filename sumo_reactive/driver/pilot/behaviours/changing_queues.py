@@ -7,7 +7,7 @@ import math
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
-from sumo_reactive.driver.nouns.plan import NominalPlan, WayBeside
+from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
     CREEPING_SPEED,
@@ -131,7 +131,7 @@ def _is_free_to_choose(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemor
     return not under_way and pending(snapshot, plan) is None
 
 
-def _leave(snapshot: Snapshot, queue: Queue, way: WayBeside, cause: Queued, limits: VehicleLimits) -> LaneChanging:
+def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, limits: VehicleLimits) -> LaneChanging:
     """Begin the change to the lane of `queue` if there is a gap there and room to swing out, else keep that room."""
     speed = snapshot.ego.speed
     x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from planner_roads import CAR, graph, road, start_on
 
-from sumo_reactive.driver.path.overrun import overrun_of
 from sumo_reactive.driver.path.planner import plan
+from sumo_reactive.driver.path.reference import overrun_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
 

@@ -2,7 +2,7 @@
 
 from planner_roads import CAR, graph, road, start_on
 
-from sumo_reactive.driver.nouns.plan import WayBeside
+from sumo_reactive.driver.nouns.plan import ParallelLane
 from sumo_reactive.driver.path.planner import plan
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
@@ -15,9 +15,9 @@ def world(*links: tuple[str, str], lanes: int = 2) -> RoadGraph:
     return graph([a, b, c], [*links, *through])
 
 
-def ways(made: RoadGraph, lane_id: str, route: Route) -> tuple[WayBeside, ...]:
+def ways(made: RoadGraph, lane_id: str, route: Route) -> tuple[ParallelLane, ...]:
     found = plan(made, route, "passenger", CAR, start_on(made.lanes[lane_id], 10.0))
-    return found.ways_beside.get(0, ())
+    return found.parallel_lanes.get(0, ())
 
 
 ABC = Route(("a", "b", "c"))
@@ -25,8 +25,8 @@ ABC = Route(("a", "b", "c"))
 
 def test_a_lane_that_leads_on_as_well_costs_the_change_to_it() -> None:
     made = world(("a_0", "b_0"), ("a_1", "b_1"))
-    assert ways(made, "a_1", ABC) == (WayBeside("a_1", "a_0", -1, 1.0),)
-    assert ways(made, "a_0", ABC) == (WayBeside("a_0", "a_1", 1, 1.0),)
+    assert ways(made, "a_1", ABC) == (ParallelLane("a_1", "a_0", -1, 1.0),)
+    assert ways(made, "a_0", ABC) == (ParallelLane("a_0", "a_1", 1, 1.0),)
 
 
 def test_a_lane_that_has_to_be_left_again_before_the_junction_is_none() -> None:

@@ -8,7 +8,7 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.plan import Move, Turnaround
-from sumo_reactive.driver.view.ground import ground_of, who_comes_over
+from sumo_reactive.driver.view.outlook import swept_ground, who_comes_over
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6
@@ -39,7 +39,7 @@ def oncoming(ego, gap, speed):
 
 
 def test_the_ground_holds_every_pose_of_the_moves(ego):
-    ground = ground_of(ego.plan.turnarounds[0], ego.ego, CAR)
+    ground = swept_ground(ego.plan.turnarounds[0], ego.ego, CAR)
     pose = ego.ego.pose
     left = -np.sin(pose.heading) * (ground[:, 0] - pose.x) + np.cos(pose.heading) * (ground[:, 1] - pose.y)
     assert left.min() > -2.0

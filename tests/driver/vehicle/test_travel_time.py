@@ -12,7 +12,7 @@ from sumo_reactive.driver.parameters import (
     MIN_START_BLEND_M,
     START_CURVATURE_SHARE,
 )
-from sumo_reactive.driver.vehicle.side_step import QUINTIC_STEP_CURVATURE, side_step_length
+from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, side_step_length
 
 WIDTH = 3.2
 offsets, speeds, errors = st.floats(0.0, 6.0), st.floats(0.0, 45.0), st.floats(0.0, 1.0)

@@ -2,7 +2,7 @@
 
 from world_pieces import lane
 
-from sumo_reactive.driver.world.opposite import nearest_opposite
+from sumo_reactive.driver.world.lane import nearest_opposite
 
 OWN = lane("ab_0", [(0, 0), (100, 0)])
 
