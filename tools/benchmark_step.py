@@ -51,7 +51,7 @@ import libsumo
 marks["libsumo"] = process_time()
 import sumo_reactive.cli, sumo_reactive.lab.recorder, sumo_reactive.lab.summary
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 marks["the rest of the imports"] = process_time()
 class Done(Exception): pass
 def stop(scene):

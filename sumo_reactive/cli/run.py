@@ -113,7 +113,7 @@ def _with_options(
 
 
 def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialResult:
-    from sumo_reactive.lab.trial import run_trial
+    from sumo_reactive.lab.simulation import run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
     note_compiling()

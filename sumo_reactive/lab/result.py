@@ -117,3 +117,39 @@ class TrialResult:
         if not self.arrived:
             faults.insert(0, f"did not arrive ({self.ended})")
         return "; ".join(faults) if faults else "arrived without a violation"
+
+
+@dataclass(frozen=True)
+class FleetResult:
+    """What the trips of all egos came to, in order of departure; `refused`: vehicles that could not be taken over, and why.
+
+    `on_their_way` were those whose trip the run's end cut short: no fault of theirs. `until` is simulation time at the end
+    (s). `step_us`: wall-clock time of one ego's share of a step, all that the driver adds to SUMO (observing, deciding,
+    placing, judging), µs; `wall_s` that of the whole simulation.
+    """
+
+    results: tuple[TrialResult, ...]
+    refused: tuple[tuple[str, str], ...]
+    on_their_way: frozenset[str]
+    until: float
+    step_us: float
+    wall_s: float
+    overrides: tuple[Override, ...] = ()
+
+    @property
+    def faulty(self) -> tuple[TrialResult, ...]:
+        """Trips with a collision or violation, and those that ended before the goal."""
+        return tuple(one for one in self.results if one.collisions or one.violations or not self._is_excused(one))
+
+    def _is_excused(self, result: TrialResult) -> bool:
+        return result.arrived or result.ego in self.on_their_way
+
+    @property
+    def recounts(self) -> tuple[Recount, ...]:
+        """What was put right in SUMO's own outputs."""
+        return tuple(dict.fromkeys(one for result in self.results for one in result.recounts))
+
+    @property
+    def exit_code(self) -> int:
+        """0: no ego has a fault; else 1."""
+        return int(bool(self.faulty))

@@ -42,16 +42,18 @@ def entries(steps: Sequence[StepRecord]) -> Iterator[Entry]:
     events: tuple[Event, ...] = ()
     in_emergency = False
     for step in steps:
+        if step.behaviour is None or step.instruction is None:  # SUMO's own driver decides nothing
+            continue
         events = step.events or events
         now = step.behaviour, step.instruction, {decision_without_figures(decision) for decision in step.decisions}
-        began = step.emergency and not in_emergency
+        began = bool(step.emergency) and not in_emergency
         if now != last or began:
             behaviour, instruction = Behaviour(step.behaviour), Instruction(step.instruction)
             yield Entry(
                 step.time, events, step.assessment, behaviour, instruction, step.decisions, step.regions, began,
-                step.hazard if began else "",
+                step.hazard or "" if began else "",
             )  # fmt: skip
-        last, in_emergency = now, step.emergency
+        last, in_emergency = now, bool(step.emergency)
 
 
 def decision_without_figures(decision: Decision) -> tuple[object, ...]:

@@ -39,7 +39,7 @@ STAGES = {
         "    return real(name, *more)\n"
         "builtins.__import__ = importing"
     ),
-    "the network is read": "import sumo_reactive.lab.trial as one; before(one, 'read_net', strike)",
+    "the network is read": "import sumo_reactive.lab.simulation as one; before(one, 'read_net', strike)",
     "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
     "the world is built": "import sumo_reactive.lab.trip as one; before(one, 'choose_lanes', strike)",
     "a step is driven": "import libsumo; before(libsumo, 'simulationStep', strike, 150)",

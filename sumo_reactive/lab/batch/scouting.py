@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.start import started
+from sumo_reactive.lab.simulation import started
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
 from sumo_reactive.sumo.session import is_road_car

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
+from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.lab.metrics.moment import Figures, Moment
 
 STANDING_SPEED = 0.1
 """m/s; slower is standing, as SUMO counts it."""
+
+TURN_S = 1.0
+"""SUMO turns its cars by a jerk at each corner of a lane's line; their yaw rate is the mean over this time."""
 
 
 class Comfort:
@@ -20,16 +25,30 @@ class Comfort:
         self._standing = self._off_road = self._emergency_time = 0.0
         self._emergencies = 0
         self._before = math.nan
-        self._in_emergency = False
+        self._in_emergency = self._is_ours = False
+        self._headings: deque[tuple[float, float]] = deque()
 
     def see(self, moment: Moment) -> None:
         """Add one step."""
         step = moment.step
-        self._lateral = max(self._lateral, step.speed * step.speed * abs(math.sin(step.steering_angle)) / self._wheelbase)
-        self._emergencies += step.emergency and not self._in_emergency
-        self._in_emergency = step.emergency
+        self._is_ours = step.emergency is not None
+        steering_angle = self._apparent_angle(step) if step.steering_angle is None else step.steering_angle
+        self._lateral = max(self._lateral, step.speed * step.speed * abs(math.sin(steering_angle)) / self._wheelbase)
+        self._emergencies += bool(step.emergency) and not self._in_emergency
+        self._in_emergency = bool(step.emergency)
         if moment.duration == moment.duration:  # not NaN: not the first step
             self._spend(moment)
+
+    def _apparent_angle(self, step: StepRecord) -> float:
+        """Return φ of a car without wheels to steer, as its mean yaw rate would take it: sin φ = L θ̇ / v, rad."""
+        self._headings.append((step.time, step.heading))
+        while step.time - self._headings[0][0] > TURN_S:
+            self._headings.popleft()
+        since, before = self._headings[0]
+        turn = (step.heading - before + math.pi) % (2.0 * math.pi) - math.pi
+        yaw_rate = turn / (step.time - since) if step.time > since else 0.0
+        sine = yaw_rate * self._wheelbase / step.speed if step.speed >= STANDING_SPEED else 0.0
+        return math.asin(min(1.0, max(-1.0, sine)))
 
     def _spend(self, moment: Moment) -> None:
         step, duration, acceleration = moment.step, moment.duration, moment.acceleration
@@ -44,7 +63,10 @@ class Comfort:
         self._before = acceleration
 
     def figures(self) -> Figures:
-        """Return the figures; lateral acceleration is v² sin φ / L, at the front axle's speed v."""
+        """Return the figures; lateral acceleration is v² sin φ / L, at the front axle's speed v.
+
+        Where SUMO drives, nobody judges time on no lane and emergencies: None.
+        """
         jerk = math.sqrt(self._squared_jerk / self._jerk_time) if self._jerk_time else 0.0
         return {
             "max_acceleration_m_s2": round(self._highest, 3),
@@ -52,7 +74,7 @@ class Comfort:
             "max_lateral_acceleration_m_s2": round(self._lateral, 3),
             "rms_jerk_m_s3": round(jerk, 3),
             "standstill_s": round(self._standing, 3),
-            "off_road_s": round(self._off_road, 3),
-            "emergencies": self._emergencies,
-            "emergency_s": round(self._emergency_time, 3),
+            "off_road_s": round(self._off_road, 3) if self._is_ours else None,
+            "emergencies": self._emergencies if self._is_ours else None,
+            "emergency_s": round(self._emergency_time, 3) if self._is_ours else None,
         }

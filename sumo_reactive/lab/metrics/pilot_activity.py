@@ -18,17 +18,23 @@ class PilotActivity:
 
     def see(self, moment: Moment) -> None:
         """Add one step."""
+        if moment.step.pilot is None:  # SUMO's own driver has none
+            return
+        asked = moment.step.asked or 0
         self._steps += 1
         self._activations += moment.step.pilot
-        self._asked += moment.step.asked
-        self._free += not (moment.step.pilot or moment.step.asked)
+        self._asked += asked
+        self._free += not (moment.step.pilot or asked)
         for event in moment.step.events:
             self._events[event.kind] += 1
 
     def figures(self) -> Figures:
-        """Return the figures; the share (0..1) is None without a step."""
-        share = round(self._free / self._steps, 4) if self._steps else None
+        """Return the figures, the share from 0 to 1; None without a pilot."""
+        steps = self._steps
         activity: Figures = {
-            "pilot_activations": self._activations, "highway_code_runs": self._asked, "pilot_free_share": share,
-        }  # fmt: skip
-        return activity | {event_key(kind): self._events[kind] for kind in EventKind}
+            "pilot_activations": self._activations,
+            "highway_code_runs": self._asked,
+            "pilot_free_share": round(self._free / steps, 4) if steps else None,
+        }
+        activity |= {event_key(kind): self._events[kind] for kind in EventKind}
+        return activity if steps else dict.fromkeys(activity)

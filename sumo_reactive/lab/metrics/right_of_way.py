@@ -112,8 +112,8 @@ class RightOfWay:
                 self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
 
     def figures(self) -> Figures:
-        """Return the number of users obstructed."""
-        return {"right_of_way_violations": len(self.violations)}
+        """Return the number of users obstructed; None where nobody knows the roads."""
+        return {"right_of_way_violations": None if self._graph is None else len(self.violations)}
 
     def _remember(self, moment: Moment) -> None:
         """Keep the speeds (m/s) of the last OBSTRUCTED_FOR_S, and of the step before."""

@@ -19,7 +19,9 @@ class Timing:
         self._first = self._last = math.nan
 
     def see(self, moment: Moment) -> None:
-        """Add one step."""
+        """Add one step; SUMO's own driver has no control step."""
+        if moment.step.control_us is None:
+            return
         self._wall = clock.perf_counter()
         if not self._control_us:
             self._first, self._began = moment.step.time, self._wall

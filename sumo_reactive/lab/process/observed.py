@@ -9,10 +9,9 @@ from typing import Any
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.lab.process.driver import Driver
 from sumo_reactive.lab.process.task import Task
-from sumo_reactive.lab.sumo_driver import run_sumo_driver
+from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trajectory import COLUMNS
-from sumo_reactive.lab.trial import run_trial
 
 _FIELDS = [field for field in COLUMNS if field != "control_us"]
 
@@ -24,10 +23,8 @@ def run_observed(task: Task) -> dict[str, Any]:
     def see(scene: Scene) -> None:
         steps.append(scene.step)
 
-    if task.driver is Driver.SUMO:
-        result = run_sumo_driver(task.scenario, observer=see)
-        return {"result": result, "trajectory": digest_of(steps)}
-    result = run_trial(task.scenario, observer=see)
+    run = run_sumo_driver if task.driver is Driver.SUMO else run_trial
+    result = run(task.scenario, observer=see)
     return {"result": result, "entries": tuple(entries(steps)), "trajectory": digest_of(steps)}
 
 

@@ -11,8 +11,8 @@ from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.ego_folders import FLEET, EgoFolders
-from sumo_reactive.lab.fleet.fleet import FleetResult
 from sumo_reactive.lab.recorder import DECISIONS, PAGE, REGIONS, SUMMARY, TRAJECTORY, Record, replaced_in
+from sumo_reactive.lab.result import FleetResult
 from sumo_reactive.lab.summary import overrides_of, recounts_of
 from sumo_reactive.writing import whole_folder
 
