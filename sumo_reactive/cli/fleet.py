@@ -40,7 +40,7 @@ def asked_for(
 
 def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: bool, quiet: bool) -> int:
     """Drive every vehicle that the rule chooses; return the exit code."""
-    from sumo_reactive.lab.fleet_record import FleetRecorder
+    from sumo_reactive.lab.recorder import FleetRecorder
     from sumo_reactive.lab.simulation import run_fleet
     from sumo_reactive.sumo.crash import crashes_told
 
@@ -64,7 +64,7 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.text import Text
 
     from sumo_reactive.lab.metric_names import METRICS
-    from sumo_reactive.lab.summary import changed_rows
+    from sumo_reactive.lab.result import changed_rows
 
     arrived = sum(result.arrived for result in fleet.results)
     typer.echo(

@@ -1,4 +1,4 @@
-"""Scenarios: what to run, by whom, from a scenario `.toml` or straight from a SUMO configuration."""
+"""Scenarios: what to run, by whom, and what is expected of it, from a scenario `.toml` or a SUMO configuration."""
 
 from __future__ import annotations
 
@@ -15,10 +15,69 @@ from sumo_reactive.driver.overrides import VARIABLE, overridden, overrides
 from sumo_reactive.driver.parameters import OBSTACLE_POLYGONS
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ParameterError, ScenarioError
-from sumo_reactive.lab.expectation import Expectation, ExpectKeys
-from sumo_reactive.lab.toml_file import problem_at, read_toml
+from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.schema import nearest, problem_at, read_toml
 from sumo_reactive.sumo.config import read_config, seconds_of
 from sumo_reactive.sumo.option_names import given_options
+
+
+class Limit(NamedTuple):
+    """A metric's smallest and largest value that is accepted; None: no such bound."""
+
+    min: float | None = None
+    max: float | None = None
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """Whether the ego `arrived`, how many `collisions` and `violations` it has at most, and limits of metrics by name."""
+
+    arrived: bool = True
+    collisions: int = 0
+    violations: int = 0
+    metrics: Mapping[str, Limit] = field(default_factory=dict)
+
+
+class LimitKeys(BaseModel):
+    """`{ min = …, max = … }`, at least one of them."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    min: float | None = Field(default=None, allow_inf_nan=False)
+    max: float | None = Field(default=None, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _says_something(self) -> LimitKeys:
+        if self.min is None and self.max is None:
+            raise ValueError("needs min, max or both")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise ValueError(f"min {self.min:g} is above max {self.max:g}")
+        return self
+
+
+class ExpectKeys(BaseModel):
+    """The table `[expect]`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    arrived: bool = True
+    collisions: int = Field(default=0, ge=0)
+    violations: int = Field(default=0, ge=0)
+    metrics: dict[str, LimitKeys] = Field(default_factory=dict)
+
+    @field_validator("metrics")
+    @classmethod
+    def _known(cls, metrics: dict[str, LimitKeys]) -> dict[str, LimitKeys]:
+        for name in metrics:
+            if name not in METRICS:
+                raise problem_at(name, f"unknown metric '{name}'{nearest(name, METRICS)}")
+        return metrics
+
+    def expectation(self) -> Expectation:
+        """Return what the table expects."""
+        limits = {name: Limit(keys.min, keys.max) for name, keys in self.metrics.items()}
+        return Expectation(self.arrived, self.collisions, self.violations, limits)
+
 
 DEFAULT_SEED = 42
 

@@ -7,28 +7,32 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import hashlib
 import tempfile
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numba
 import numpy
 
 from sumo_reactive import __version__
-from sumo_reactive.driver.nouns.record import Scene
+from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics import Jury
 from sumo_reactive.lab.metrics.moment import Figures
+from sumo_reactive.lab.recorder import COLUMNS
 from sumo_reactive.lab.result import FleetResult, Override, TrialResult
 from sumo_reactive.lab.scenario import Scenario, require_parameters
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
+from sumo_reactive.lab.task import Driver, Task
+from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.devices import Equipment
@@ -430,3 +434,26 @@ def _require_egos(simulation: Simulation, rule: EgoRule, scenario: Scenario) -> 
             raise ScenarioError(f"{scenario.source}: ego '{name}' never departs {until}")
     if not simulation.results and not simulation.refused:
         raise ScenarioError(f"{scenario.source}: no vehicle is chosen as an ego {until}")
+
+
+_FIELDS = [field for field in COLUMNS if field != "control_us"]
+
+
+def run_observed(task: Task) -> dict[str, Any]:
+    """Run a task in this process; return the fields that its `Outcome` takes from the trial."""
+    steps: list[StepRecord] = []
+
+    def see(scene: Scene) -> None:
+        steps.append(scene.step)
+
+    run = run_sumo_driver if task.driver is Driver.SUMO else run_trial
+    result = run(task.scenario, observer=see)
+    return {"result": result, "entries": tuple(entries(steps)), "trajectory": digest_of(steps)}
+
+
+def digest_of(steps: Iterable[StepRecord]) -> str:
+    """Return a digest of all that the steps hold as it is written to `trajectory.parquet`, but for wall-clock times."""
+    digest = hashlib.sha256()
+    for step in steps:
+        digest.update(repr([getattr(step, field) for field in _FIELDS]).encode())
+    return digest.hexdigest()

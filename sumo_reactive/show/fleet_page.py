@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from sumo_reactive.lab.ego_folders import FLEET, folders_in
-from sumo_reactive.lab.json_file import read_json
+from sumo_reactive.lab.recorder import FLEET, folders_in
+from sumo_reactive.lab.schema import read_json
 from sumo_reactive.show.frame.labels import number, title_of
 from sumo_reactive.show.frame.page import Section, code, link, page, paragraph_of, table
 from sumo_reactive.show.record_keys import FleetKeys

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, ConfigDict, Field
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.lab.json_file import Keys, Number
+from sumo_reactive.lab.schema import Keys, Number
 
 Text = Annotated[str, Field(min_length=1)]
 Point = Annotated[list[Number], Field(min_length=2, max_length=2)]

@@ -5,10 +5,9 @@ import json
 from helpers.results import result
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
 from sumo_reactive.driver.nouns.record import StepRecord
-from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
-from sumo_reactive.lab.summary import summary_of
+from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY, write_trajectory
+from sumo_reactive.lab.result import summary_of
 from sumo_reactive.lab.trace import entries, line_of
-from sumo_reactive.lab.trajectory import write_trajectory
 
 NAN = float("nan")
 

@@ -11,9 +11,7 @@ from scenes import record
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import OutputError, ScenarioError
-from sumo_reactive.lab.ego_folders import EgoFolders
-from sumo_reactive.lab.fleet_record import FleetRecorder
-from sumo_reactive.lab.recorder import Recorder
+from sumo_reactive.lab.recorder import EgoFolders, FleetRecorder, Recorder
 from sumo_reactive.lab.result import FleetResult
 
 HARD = (

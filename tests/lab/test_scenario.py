@@ -8,8 +8,7 @@ from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.overrides import VARIABLE
 from sumo_reactive.driver.parameters import STUCK_S
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.expectation import Expectation, Limit
-from sumo_reactive.lab.scenario import load_scenario, load_scenario_file, require_parameters
+from sumo_reactive.lab.scenario import Expectation, Limit, load_scenario, load_scenario_file, require_parameters
 
 ROOT = Path(__file__).parents[2]
 CONFIG = (ROOT / "networks" / "roundabout" / "roundabout.sumocfg").as_posix()

@@ -39,7 +39,7 @@ def warm_up(material: Path) -> None:
     import sumo_reactive.lab.batch.engine
     import sumo_reactive.lab.batch.stored_results
     import sumo_reactive.lab.comparison.comparison
-    import sumo_reactive.lab.fleet_record
+    import sumo_reactive.lab.recorder
     import sumo_reactive.show.reports
     import sumo_reactive.sumo.crash  # noqa: F401
     from sumo_reactive.lab.scenario import load_scenario

@@ -1,11 +1,16 @@
-"""Comfort of the ego's passengers, and where the ego spent its time."""
+"""The ego's own figures: comfort, emergencies, how often the pilot ran, wall-clock times."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
+import time as clock
+from collections import Counter, deque
 
+import numpy as np
+
+from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.record import StepRecord
+from sumo_reactive.lab.metric_names import event_key
 from sumo_reactive.lab.metrics.moment import Figures, Moment
 
 STANDING_SPEED = 0.1
@@ -77,4 +82,67 @@ class Comfort:
             "off_road_s": round(self._off_road, 3) if self._is_ours else None,
             "emergencies": self._emergencies if self._is_ours else None,
             "emergency_s": round(self._emergency_time, 3) if self._is_ours else None,
+        }
+
+
+class PilotActivity:
+    """Steps in which the pilot decided, runs of the highway code, share of the steps that needed neither, events by kind."""
+
+    def __init__(self) -> None:
+        self._steps = self._activations = self._asked = self._free = 0
+        self._events: Counter[EventKind] = Counter()
+
+    def see(self, moment: Moment) -> None:
+        """Add one step."""
+        if moment.step.pilot is None:  # SUMO's own driver has none
+            return
+        asked = moment.step.asked or 0
+        self._steps += 1
+        self._activations += moment.step.pilot
+        self._asked += asked
+        self._free += not (moment.step.pilot or asked)
+        for event in moment.step.events:
+            self._events[event.kind] += 1
+
+    def figures(self) -> Figures:
+        """Return the figures, the share from 0 to 1; None without a pilot."""
+        steps = self._steps
+        activity: Figures = {
+            "pilot_activations": self._activations,
+            "highway_code_runs": self._asked,
+            "pilot_free_share": round(self._free / steps, 4) if steps else None,
+        }
+        activity |= {event_key(kind): self._events[kind] for kind in EventKind}
+        return activity if steps else dict.fromkeys(activity)
+
+
+class Timing:
+    """Time of the control steps, and how much faster than real time the run was."""
+
+    def __init__(self) -> None:
+        self._control_us: list[float] = []
+        self._began = self._wall = clock.perf_counter()
+        self._first = self._last = math.nan
+
+    def see(self, moment: Moment) -> None:
+        """Add one step; SUMO's own driver has no control step."""
+        if moment.step.control_us is None:
+            return
+        self._wall = clock.perf_counter()
+        if not self._control_us:
+            self._first, self._began = moment.step.time, self._wall
+        self._last = moment.step.time
+        self._control_us.append(moment.step.control_us)
+
+    def figures(self) -> dict[str, float]:
+        """Return mean, 99th percentile and maximum (µs), and simulated time per wall-clock time; empty: no step."""
+        if not self._control_us:
+            return {}
+        times = np.array(self._control_us)
+        wall = self._wall - self._began
+        return {
+            "control_step_mean_us": round(float(times.mean()), 1),
+            "control_step_p99_us": round(float(np.percentile(times, 99.0)), 1),
+            "control_step_max_us": round(float(times.max()), 1),
+            "real_time_factor": round((self._last - self._first) / wall, 1) if wall > 0.0 else 0.0,
         }

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import stat
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -67,3 +69,14 @@ def parquet_rows(path: Path, query: str, max_rows: int) -> list[tuple[Any, ...]]
     if len(rows) > max_rows:
         raise InputError(f"{path}: more than {max_rows} rows")
     return rows
+
+
+@contextmanager
+def as_os_errors() -> Iterator[None]:
+    """Raise an `IOException` of DuckDB as OSError."""
+    try:
+        yield
+    except duckdb.IOException as error:
+        if found := re.search(r'"errno":"(\d+)"', str(error)):
+            raise OSError(int(found[1]), os.strerror(int(found[1]))) from error
+        raise OSError(" ".join(str(error).split())) from error

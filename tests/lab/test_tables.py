@@ -7,7 +7,7 @@ import duckdb
 import pytest
 
 from sumo_reactive.errors import InputError
-from sumo_reactive.lab.sealed import opened, parquet_rows, require_regular
+from sumo_reactive.lab.tables import opened, parquet_rows, require_regular
 
 NAME = "steps.parquet"
 

@@ -7,10 +7,10 @@ import os
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.batch.experiment_file import load_experiment
+from sumo_reactive.lab.batch.experiment import load_experiment
+from sumo_reactive.lab.discovery import is_scenario_file
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.toml_file import MOST_BYTES
-from sumo_reactive.lab.verdict.discovery import is_scenario_file
+from sumo_reactive.lab.schema import MOST_BYTES
 
 
 @pytest.mark.parametrize(
