@@ -8,52 +8,33 @@ import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 from urllib.parse import quote
 
 import duckdb
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator, ConfigDict, Field
 
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.result import FleetResult, TrialResult, overrides_of, recounts_of, summary_of
+from sumo_reactive.lab.schema import Keys, Number, read_json
 from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
 from sumo_reactive.writing import require_writable, whole_folder
 
 COLUMNS = {
-    "time": "time_s",
-    "x": "x_m",
-    "y": "y_m",
-    "heading": "heading_rad",
-    "speed": "speed_m_s",
-    "acceleration": "acceleration_m_s2",
-    "steering_angle": "steering_angle_rad",
-    "lane_id": "lane_id",
-    "s": "s_m",
-    "d": "d_m",
-    "command_acceleration": "command_acceleration_m_s2",
-    "command_steering_rate": "command_steering_rate_rad_s",
-    "desired_speed": "desired_speed_m_s",
-    "stop_s": "stop_m",
-    "u": "u",
-    "u1": "u1",
-    "u2": "u2",
-    "u3": "u3",
-    "leader": "leader",
-    "gap": "gap_m",
-    "behaviour": "behaviour",
-    "instruction": "instruction",
-    "pilot": "pilot",
-    "asked": "highway_code_runs",
-    "emergency": "emergency",
-    "hazard": "hazard",
-    "light": "light",
-    "control_us": "control_us",
-}
+    "time": "time_s", "x": "x_m", "y": "y_m", "heading": "heading_rad", "speed": "speed_m_s",
+    "acceleration": "acceleration_m_s2", "steering_angle": "steering_angle_rad", "lane_id": "lane_id",
+    "s": "s_m", "d": "d_m",
+    "command_acceleration": "command_acceleration_m_s2", "command_steering_rate": "command_steering_rate_rad_s",
+    "desired_speed": "desired_speed_m_s", "stop_s": "stop_m", "u": "u", "u1": "u1", "u2": "u2", "u3": "u3",
+    "leader": "leader", "gap": "gap_m", "behaviour": "behaviour", "instruction": "instruction", "pilot": "pilot",
+    "asked": "highway_code_runs", "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
+}  # fmt: skip
 """Column of each field of `StepRecord`; decisions have a file of their own."""
 
 _FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
@@ -111,22 +92,41 @@ def _encoded(ego_id: str) -> str:
     return f"{name[:-1]}%2E" if name.endswith(".") else name or "%"
 
 
-def is_folder_name(name: object) -> bool:
-    """Whether a record's word for an ego's folder is the name of one in the record's own folder."""
-    return isinstance(name, str) and name not in ("", ".", "..") and not any(sign in name for sign in "/\\\0")
+def _folder_name(name: str) -> str:
+    """Return a record's word for an ego's folder, which is the name of one in the record's own folder."""
+    if name in ("", ".", "..") or any(sign in name for sign in "/\\\0"):
+        raise ValueError("an ego's folder is no name")
+    return name
 
 
-def folders_in(fleet: Path) -> list[str]:
-    """Return the folders of the egos that a `fleet.json` names; raise ScenarioError if it is none."""
-    try:
-        if not fleet.is_file():
-            raise ValueError("not a file")
-        names = [one["folder"] for one in json.loads(fleet.read_text(encoding="utf-8"))["egos"]]
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-        raise ScenarioError(f"{fleet}: not the record of several egos: {error}") from error
-    if not all(map(is_folder_name, names)):
-        raise ScenarioError(f"{fleet}: not the record of several egos: an ego's folder is no name")
-    return names
+class FleetEgoKeys(Keys):
+    """An ego in `fleet.json`, with its metrics beside."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Number | None]
+
+    ego: Annotated[str, Field(min_length=1)]
+    folder: Annotated[str, AfterValidator(_folder_name)]
+    verdict: Annotated[str, Field(min_length=1)]
+
+
+class RefusedKeys(Keys):
+    """A vehicle that could not be taken over."""
+
+    vehicle: str
+    reason: str
+
+
+class FleetKeys(Keys):
+    """`fleet.json`."""
+
+    egos: list[FleetEgoKeys]
+    refused: list[RefusedKeys]
+
+
+def read_fleet(folder: Path) -> FleetKeys:
+    """Return what the `fleet.json` in a folder says; raise ScenarioError if it is no record of several egos."""
+    return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
 SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
@@ -191,7 +191,7 @@ def replaced_in(folder: Path, overwrite: bool) -> list[Path]:
     found = [name for name in (FLEET, *files) if os.path.lexists(folder / name)]
     if found and not overwrite:
         raise ScenarioError(f"{folder}: holds another run ({', '.join(found)}); use --overwrite or another folder")
-    places = [".", *(folders_in(folder / FLEET) if FLEET in found else [])]
+    places = [".", *((one.folder for one in read_fleet(folder).egos) if FLEET in found else ())]
     candidates = [Path(place, name) for place in places for name in (FLEET, *files, PAGE)] if found else []
     return [path for path in candidates if os.path.lexists(folder / path)]
 

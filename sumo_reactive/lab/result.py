@@ -18,15 +18,26 @@ Override = tuple[str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Collision:
-    """The ego's box and that of user `user_id` overlapped from `time` (s) on; `lane_id` is the ego's."""
+class _Harm:
+    """At `time` (s), to user `user_id`; `lane_id` is the ego's."""
 
     time: float
     user_id: str
     lane_id: str
 
+
+class Collision(_Harm):
+    """The ego's box and another's overlapped from then on."""
+
     def __str__(self) -> str:
         return f"collision with {self.user_id} at {self.time:.1f} s"
+
+
+class HardBrake(_Harm):
+    """Somebody behind the ego began to brake hard because of it."""
+
+    def __str__(self) -> str:
+        return f"hard braking of {self.user_id} at {self.time:.1f} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,18 +51,6 @@ class Violation:
 
     def __str__(self) -> str:
         return f"{self.kind}{f' of {self.user_id}' if self.user_id else ''} at {self.time:.1f} s"
-
-
-@dataclass(frozen=True, slots=True)
-class HardBrake:
-    """User `user_id` behind the ego began to brake hard because of it at `time` (s); `lane_id` is the ego's."""
-
-    time: float
-    user_id: str
-    lane_id: str
-
-    def __str__(self) -> str:
-        return f"hard braking of {self.user_id} at {self.time:.1f} s"
 
 
 Fault = Collision | Violation | HardBrake

@@ -21,16 +21,22 @@ KeyPath = Sequence[str | int]
 MOST_NAMES = 3
 """So many of the nearest names are shown for one that is unknown."""
 
-MOST_BYTES = 2**20
+MOST_TOML_BYTES = 2**20
 """A file that people write is smaller."""
 
 MOST_LINES = 1000
 """In a longer file the line of a problem is not looked for: that takes a time that grows with its square."""
 
 
+class TomlTable(BaseModel):
+    """A table with these keys, of these types, and no others."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
 def read_toml(path: Path, schema: type[Model]) -> Model:
     """Return the contents of `path` as `schema` describes them; raise ScenarioError naming file, line and key."""
-    text = text_of(path, most=MOST_BYTES)
+    text = text_of(path, most=MOST_TOML_BYTES)
     try:
         return schema.model_validate(tomllib.loads(text))
     except ValidationError as error:

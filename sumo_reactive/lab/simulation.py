@@ -43,8 +43,8 @@ from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, sumo_version
 
-Seen = TypeVar("Seen")
-Observer = Callable[[Scene], None]
+_Seen = TypeVar("_Seen")
+SceneObserver = Callable[[Scene], None]
 Survey = Callable[[RoadGraph], None]
 
 FleetObserver = Callable[[str, Scene], None]
@@ -276,7 +276,7 @@ class Simulation:
 def run_trial(
     scenario: Scenario,
     *,
-    observer: Observer | None = None,
+    observer: SceneObserver | None = None,
     progress: Progress | None = None,
     survey: Survey | None = None,
 ) -> TrialResult:
@@ -298,7 +298,7 @@ def run_trial(
 
 
 def run_sumo_driver(
-    scenario: Scenario, *, observer: Observer | None = None, progress: Progress | None = None
+    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
 ) -> TrialResult:
     """Run the scenario in this process with the ego in SUMO's hands until it has arrived; return the judged result.
 
@@ -414,7 +414,7 @@ def _alone(start: Started, scenario: Scenario, onlookers: Onlookers, take_over: 
     return simulation
 
 
-def _of_any(look: Callable[[Seen], None] | None) -> Callable[[str, Seen], None] | None:
+def _of_any(look: Callable[[_Seen], None] | None) -> Callable[[str, _Seen], None] | None:
     """Return what looks at one ego as what looks at any."""
     return None if look is None else lambda _, seen: look(seen)
 

@@ -61,28 +61,3 @@ COLUMNS: dict[str, Any] = {
     "emergency": list[bool],
 }
 """The columns of `trajectory.parquet` that are read, and what each holds."""
-
-
-class EgoKeys(Keys):
-    """An ego in `fleet.json`, with its metrics beside."""
-
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Number | None]
-
-    ego: Text
-    folder: str
-    verdict: Text
-
-
-class RefusedKeys(Keys):
-    """A vehicle that could not be taken over."""
-
-    vehicle: str
-    reason: str
-
-
-class FleetKeys(Keys):
-    """`fleet.json`."""
-
-    egos: list[EgoKeys]
-    refused: list[RefusedKeys]

@@ -58,7 +58,7 @@ min_time_to_collision_s = {{ min = 0.5, max = 9 }}
     scenario, seeds, expectation = load_scenario_file(_file(tmp_path, text))
     assert (scenario.seed, seeds) == (3, (3, 1, 2))
     assert scenario.parameters == {"STUCK_S": 60.0}
-    limits = {"duration_s": Limit(None, 60.0), "min_time_to_collision_s": Limit(0.5, 9.0)}
+    limits = {"duration_s": Limit(max=60.0), "min_time_to_collision_s": Limit(min=0.5, max=9.0)}
     assert expectation == Expectation(violations=1, metrics=limits)
 
 

@@ -57,8 +57,6 @@ def run_order(order: Order) -> Report:
 
 def run_order_apart(order: Order) -> Report:
     """Run an order of another process; raise ClusterError if this one has other sources than whoever gave it."""
-    from sumo_reactive.lab.batch.trials import release
-
     if (here := release()["sources"]) != order.sources:
         raise ClusterError(f"a worker has sumo_reactive with sources {here}, this process {order.sources}: install the same")
     os.environ.pop(VARIABLE, None)  # the task names every parameter that counts

@@ -7,39 +7,32 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
-from sumo_reactive.driver import parameters
 from sumo_reactive.driver.controller import Profile
-from sumo_reactive.driver.overrides import overridden
 from sumo_reactive.driver.pilot.schedule import Delays
-from sumo_reactive.errors import ParameterError, ReactiveError, ScenarioError
+from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.files import text_of
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.scenario import Scenario, load_scenario, load_scenario_file
-from sumo_reactive.lab.schema import line_of, nearest, problem_at, read_toml
+from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, parameter
+from sumo_reactive.lab.schema import TomlTable, line_of, nearest, problem_at, read_toml
 from sumo_reactive.lab.task import Driver
 from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
 
 OURS = ("seed", "step-length")
 """SUMO options that the experiment names in keys of their own."""
 
-_Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
 _Driver = Annotated[Driver, Field(strict=False)]
 Word = str | int | float | bool
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-
-
-class ExperimentKeys(_Strict):
+class ExperimentKeys(TomlTable):
     """The table `[experiment]`."""
 
     scenarios: list[str] = Field(min_length=1)
-    seeds: list[_Seed] | None = Field(default=None, min_length=1)
+    seeds: list[Seed] | None = Field(default=None, min_length=1)
     drivers: list[_Driver] = Field(default=[Driver.REACTIVE, Driver.SUMO], min_length=1)
-    metrics: list[str] = ["arrived", "collisions", "violations", "duration_s", "time_loss_s"]
+    metrics: list[str] = Field(default=["arrived", "collisions", "violations", "duration_s", "time_loss_s"])
     store: str | None = None
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
     until_s: float | None = Field(default=None, gt=0.0)
@@ -66,21 +59,21 @@ class ExperimentKeys(_Strict):
         return values
 
 
-class EgoKeys(_Strict):
+class EgoKeys(TomlTable):
     """The table `[egos]`: ids, for every scenario or by scenario, or how many trips to draw."""
 
     names: list[str] | dict[str, list[str]] | None = Field(default=None)
     drawn: int | None = Field(default=None, ge=1)
-    seed: _Seed = 0
+    seed: Seed = 0
     min_length_m: float = Field(default=0.0, ge=0.0)
     warm_up_s: float = Field(default=0.0, ge=0.0)
 
 
-class SampleKeys(_Strict):
+class SampleKeys(TomlTable):
     """The table `[samples]`: `count` points drawn evenly from the ranges [low, high] of `parameters`."""
 
     count: int = Field(ge=1)
-    seed: _Seed = 0
+    seed: Seed = 0
     parameters: dict[str, list[float]] = Field(min_length=1)
 
     @field_validator("parameters")
@@ -93,7 +86,7 @@ class SampleKeys(_Strict):
         return asked
 
 
-class ExperimentFile(_Strict):
+class ExperimentFile(TomlTable):
     """All tables: values of `parameters` and `options` that are lists make a grid."""
 
     experiment: ExperimentKeys
@@ -121,13 +114,9 @@ class ExperimentFile(_Strict):
 
 
 def _values(name: str, values: list[float]) -> list[float]:
-    try:
-        found = [overridden(vars(parameters), name, value) for value in values]
-    except ParameterError as error:
-        raise problem_at(name, str(error)) from error
-    if not found:
+    if not values:
         raise problem_at(name, "no value")
-    return found
+    return [parameter(name, value) for value in values]
 
 
 SUFFIX = ".duckdb"

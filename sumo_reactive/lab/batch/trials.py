@@ -181,8 +181,8 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
     for point, choice, options in itertools.product(
         list(_points(experiment)), experiment.choices, list(_product(experiment.options))
     ):
-        for seed, ego, driver in itertools.product(choice.seeds, egos[choice.name], experiment.keys.drivers):
-            trial = _trial(experiment, choice, ego, seed, driver, point, options)
+        for case in itertools.product(choice.seeds, egos[choice.name], experiment.keys.drivers):
+            trial = _trial(experiment, choice, case, point, options)
             found.setdefault(trial.key, trial)
     return _by_parameters(list(found.values()))
 
@@ -209,11 +209,11 @@ def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | No
 
 
 def _trial(
-    experiment: Experiment, choice: Choice, ego: str | None, seed: int, driver: Driver,
+    experiment: Experiment, choice: Choice, case: tuple[int, str | None, Driver],
     grid_point: Mapping[str, float], options: Mapping[str, Word],
 ) -> Trial:  # fmt: skip
     """Return one trial. Parameters are this project's driver's: SUMO's own is the same baseline whatever they are."""
-    keys, base = experiment.keys, choice.scenario
+    keys, base, (seed, ego, driver) = experiment.keys, choice.scenario, case
     point = grid_point if driver is Driver.REACTIVE else {}
     asked = {**base.parameters, **overrides(), **point}
     scenario = replace(

@@ -97,19 +97,19 @@ class HardBraking:
 
 def _follows_ego(user: RoadUser, moment: Moment) -> bool:
     step = moment.step
-    gap = _gap(user, step.x, step.y, step.heading, moment.length, moment.width, step.lane_id)
+    gap = _gap(user, step.x, step.y, step.heading, (moment.length, moment.width), step.lane_id)
     return 0.0 <= gap < LEADER_REACH_M and all(not 0.0 <= other < gap for other in _gaps(user, moment))
 
 
 def _gaps(user: RoadUser, moment: Moment) -> Iterator[float]:
     for other in moment.users:
         if other.id != user.id and not other.body.is_person:
-            yield _gap(user, other.x, other.y, other.heading, other.body.length, other.body.width, other.lane_id)
+            yield _gap(user, other.x, other.y, other.heading, (other.body.length, other.body.width), other.lane_id)
 
 
-def _gap(user: RoadUser, x: float, y: float, heading: float, length: float, width: float, lane_id: str) -> float:
+def _gap(user: RoadUser, x: float, y: float, heading: float, size: tuple[float, float], lane_id: str) -> float:
     """Return the way (m) from the front of `user` to the rear of a body, along its heading; infinite: not in its way."""
-    c, s = math.cos(user.heading), math.sin(user.heading)
+    (length, width), c, s = size, math.cos(user.heading), math.sin(user.heading)
     dx, dy = x - length * math.cos(heading) - user.x, y - length * math.sin(heading) - user.y
     ahead, aside = dx * c + dy * s, abs(dy * c - dx * s)
     on_the_way = aside < 0.5 * (user.body.width + width) or (bool(lane_id) and lane_id == user.lane_id)

@@ -70,7 +70,7 @@ ROUNDING_S = 1e-6
 APPROACH_M = 50.0
 """A vehicle this close to its stop line is about to use the junction: its braking distance at 16 m/s and 2.5 m/s²."""
 
-MOVING_SPEED = 0.5
+OBSTRUCTED_SPEED = 0.5
 """m/s; who stands is not obstructed by being where it is."""
 
 
@@ -131,7 +131,7 @@ class RightOfWay:
             brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
             brakes = brakes and not _comes_onto_slower_road(self._graph, user)
             suffers = brakes or time < NEAR_MISS_S
-            if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
+            if suffers and user.speed > OBSTRUCTED_SPEED and user.id not in self._obstructed:
                 self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
 
     def figures(self) -> Figures:
@@ -157,7 +157,7 @@ class RightOfWay:
         now, users = moment.step.time, {user.id: user for user in moment.users}
         for name, suspicion in tuple(self._suspicions.items()):
             user = users.get(name)
-            if user is None or user.speed <= MOVING_SPEED:
+            if user is None or user.speed <= OBSTRUCTED_SPEED:
                 self._found.append(self._suspicions.pop(name).violation)
             elif _covers(moment, suspicion.polygon):
                 self._suspicions[name] = suspicion._replace(left=None)
