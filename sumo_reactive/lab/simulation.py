@@ -14,19 +14,17 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numba
 import numpy
 
 from sumo_reactive import __version__
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
-from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics import Jury
-from sumo_reactive.lab.metrics.moment import Figures
 from sumo_reactive.lab.recorder import COLUMNS
 from sumo_reactive.lab.result import FleetResult, Override, TrialResult
 from sumo_reactive.lab.scenario import Scenario, require_parameters
@@ -83,50 +81,8 @@ def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[St
         yield Started(session, config, (*changed, *left_out), session.time)
 
 
-class AnyTrip(Protocol):
-    """A trip in a running simulation, whoever drives: `profile` tells who.
-
-    Each simulation step is preceded by a `command` and followed by a `scene`. Times in s, ways in m, as in `TrialResult`.
-    """
-
-    id: str
-    limits: VehicleLimits
-    profile: str
-    departure: float
-    end: float
-    distance: float
-    time_loss: float
-    stopped: float
-    arrived: bool
-    stuck: str
-
-    @property
-    def graphs(self) -> Sequence[RoadGraph]:
-        """The worlds of all routes driven."""
-
-    @property
-    def judged_in(self) -> RoadGraph | None:
-        """The world in which the last scene was driven; None: nobody knows it."""
-
-    @property
-    def ghosts_made(self) -> int:
-        """How many stand-ins the trip has taken."""
-
-    @property
-    def figures(self) -> Figures:
-        """What the driver tells beside the judges."""
-
-    def command(self) -> None:
-        """Say where the next simulation step shall end."""
-
-    def scene(self) -> Scene | None:
-        """Return what there is to judge after a simulation step; None while the vehicle is off the road."""
-
-    def arrive(self) -> bool:
-        """Take the vehicle off the road if it has reached its goal; return whether the next step is to do so."""
-
-    def release(self) -> None:
-        """Leave the vehicle to SUMO."""
+AnyTrip = Trip | WatchedTrip
+"""Whoever drives: each simulation step is preceded by a `command` and followed by a `scene`."""
 
 
 class Onlookers(NamedTuple):
