@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from sumo_reactive.lab.process.runner import Runner
-    from sumo_reactive.lab.verdict.check import Case
+    from sumo_reactive.lab.check import Case
+    from sumo_reactive.lab.runner import Runner
 
 TIME_LIMIT = "scenario_time_limit"
 _RUNNER = pytest.StashKey["Runner"]()
@@ -35,7 +35,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> ScenarioCollector | None:
     """Collect a `.toml` that has a table `[scenario]`; leave all others alone."""
-    from sumo_reactive.lab.verdict.discovery import is_scenario_file
+    from sumo_reactive.lab.discovery import is_scenario_file
 
     return ScenarioCollector.from_parent(parent, path=file_path) if is_scenario_file(file_path) else None
 
@@ -57,7 +57,7 @@ class ScenarioCollector(pytest.File):
     def collect(self) -> Iterator[ScenarioItem]:
         """Yield an item a seed; a file that cannot be run is an error of one line."""
         from sumo_reactive.errors import ReactiveError
-        from sumo_reactive.lab.verdict.check import cases_of
+        from sumo_reactive.lab.check import cases_of
 
         try:
             cases = cases_of(self.path)
@@ -78,7 +78,7 @@ class ScenarioItem(pytest.Item):
 
     def runtest(self) -> None:
         """Run the scenario and compare with what is expected."""
-        from sumo_reactive.lab.verdict.check import verdict_on
+        from sumo_reactive.lab.check import verdict_on
         from sumo_reactive.show.faults import failure_told
 
         limit = float(self.config.getini(TIME_LIMIT))
@@ -99,7 +99,7 @@ class ScenarioItem(pytest.Item):
 
 def _runner(config: pytest.Config) -> Runner:
     if _RUNNER not in config.stash:
-        from sumo_reactive.lab.process.runner import Runner
+        from sumo_reactive.lab.runner import Runner
 
         config.stash[_RUNNER] = Runner()
     return config.stash[_RUNNER]

@@ -31,7 +31,7 @@ from typing import NamedTuple
 from sumolib import checkBinary
 
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 

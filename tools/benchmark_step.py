@@ -49,9 +49,9 @@ import numba
 marks["numpy, numba"] = process_time()
 import libsumo
 marks["libsumo"] = process_time()
-import sumo_reactive.cli, sumo_reactive.lab.recorder, sumo_reactive.lab.summary
+import sumo_reactive.cli, sumo_reactive.lab.recorder, sumo_reactive.lab.result
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 marks["the rest of the imports"] = process_time()
 class Done(Exception): pass
 def stop(scene):

@@ -43,8 +43,7 @@ from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import InputError, ReactiveError, ScenarioError
 from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
-from sumo_reactive.lab.sumo_driver import run_sumo_driver
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
 
 COLUMNS = ("scenario", "config", "ego")
 """What each row of a list must hold."""

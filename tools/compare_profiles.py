@@ -37,7 +37,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 ROOT = Path(__file__).resolve().parent.parent
 PROFILES = (Profile.DEFAULT, Profile.PAPER)

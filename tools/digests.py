@@ -33,11 +33,11 @@ from typing import Any
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.errors import InputError, ScenarioError
-from sumo_reactive.lab.process.runner import Ending, Runner
+from sumo_reactive.lab.recorder import COLUMNS
+from sumo_reactive.lab.runner import Ending, Runner
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
+from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.lab.trace import Entry, entries, line_of
-from sumo_reactive.lab.trajectory import COLUMNS
-from sumo_reactive.lab.trial import run_trial
 
 ROOT = Path(__file__).resolve().parent.parent
 OWN = ROOT / "tests" / "end_to_end" / "digests.json"

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -64,7 +64,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.static import static_within
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
-from sumo_reactive.lab import trial
+from sumo_reactive.lab import simulation
 from sumo_reactive.lab.metrics.moment import GHOST
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.trip import Trip
@@ -599,16 +599,16 @@ def _experiment() -> tuple[list[Shot], RoadGraph]:
     shots: list[Shot] = []
     worlds: list[RoadGraph] = []
 
-    class WatchedTrip(Trip):
+    class ShownTrip(Trip):
         """A trip that shows its plan, which no record holds."""
 
-        def scenes(self) -> Iterator[Scene]:
-            for scene in super().scenes():
-                shots.append(Shot(scene, self._drive.plan, self.ego.limits))
-                yield scene
+        def scene(self) -> Scene:
+            scene = super().scene()
+            shots.append(Shot(scene, self._driving.drive.plan, self.limits))
+            return scene
 
-    with patch.object(trial, "Trip", WatchedTrip):
-        result = trial.run_trial(load_scenario(EXPERIMENT), survey=worlds.append)
+    with patch.object(simulation, "Trip", ShownTrip):
+        result = simulation.run_trial(load_scenario(EXPERIMENT), survey=worlds.append)
     if result.exit_code:
         raise SystemExit(f"{EXPERIMENT.name}: {result.verdict}; no figure of that")
     return shots, worlds[0]

@@ -11,7 +11,7 @@ import typer
 from sumo_reactive.cli.app import app, note_compiling
 
 if TYPE_CHECKING:
-    from sumo_reactive.lab.batch.experiment_file import Experiment
+    from sumo_reactive.lab.batch.experiment import Experiment
     from sumo_reactive.lab.batch.trials import Trial
 
 
@@ -24,7 +24,7 @@ def batch(
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="run trials again that came to no result")] = False,
 ) -> int:
     """Run the trials of an experiment that its store does not hold yet; stopped at any time, it goes on where it was."""
-    from sumo_reactive.lab.batch.experiment_file import load_experiment
+    from sumo_reactive.lab.batch.experiment import load_experiment
 
     experiment = load_experiment(file)
     if dry_run:

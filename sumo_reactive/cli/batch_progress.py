@@ -17,8 +17,8 @@ from rich.table import Table
 from rich.text import Text
 
 if TYPE_CHECKING:
+    from sumo_reactive.lab.batch.engine import Report
     from sumo_reactive.lab.batch.trials import Trial
-    from sumo_reactive.lab.batch.worker import Report
 
 SHOWN = 8
 """So many of the last trials without a result are shown."""

@@ -10,7 +10,7 @@ import typer
 from sumo_reactive.cli.app import app, note_compiling
 
 if TYPE_CHECKING:
-    from sumo_reactive.lab.verdict.check import Case, Verdict
+    from sumo_reactive.lab.check import Case, Verdict
 
 DEFAULT_LIMIT_S = 600.0
 
@@ -23,8 +23,8 @@ def check(
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = DEFAULT_LIMIT_S,
 ) -> int:
     """Run every scenario with every seed it names, and tell what of its expectations was not met."""
-    from sumo_reactive.lab.verdict.check import cases_of, run_cases
-    from sumo_reactive.lab.verdict.discovery import scenario_files
+    from sumo_reactive.lab.check import cases_of, run_cases
+    from sumo_reactive.lab.discovery import scenario_files
 
     cases = [case for file in scenario_files(paths) for case in cases_of(file)]
     if junit is not None:
@@ -48,7 +48,7 @@ def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
     met = sum(verdict.is_met for verdict in verdicts)
     typer.echo(f"\n{met} of {len(verdicts)} met")
     if junit is not None:
-        from sumo_reactive.lab.verdict.junit import write_junit
+        from sumo_reactive.lab.check import write_junit
 
         write_junit(junit, told)
     return 0 if met == len(verdicts) else 1

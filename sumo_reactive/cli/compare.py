@@ -16,7 +16,7 @@ from sumo_reactive.cli.app import app, figures_kept, note_compiling
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.comparison.comparison import Comparison
-    from sumo_reactive.lab.process.runner import Outcome
+    from sumo_reactive.lab.runner import Outcome
     from sumo_reactive.lab.scenario import Scenario
 
 DEFAULT_HORIZON_S = 600.0

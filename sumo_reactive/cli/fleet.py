@@ -12,8 +12,8 @@ import typer
 from sumo_reactive.cli.app import figures_kept, note_compiling, progress_shown
 
 if TYPE_CHECKING:
-    from sumo_reactive.lab.fleet.egos import EgoRule
-    from sumo_reactive.lab.fleet.fleet import FleetResult
+    from sumo_reactive.lab.egos import EgoRule
+    from sumo_reactive.lab.result import FleetResult
     from sumo_reactive.lab.scenario import Scenario
 
 SHOWN = 20
@@ -27,7 +27,7 @@ def asked_for(
     scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None
 ) -> EgoRule | None:
     """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
-    from sumo_reactive.lab.fleet.egos import EgoRule
+    from sumo_reactive.lab.egos import EgoRule
     from sumo_reactive.sumo.config import read_config
     from sumo_reactive.sumo.devices import Equipment
 
@@ -40,8 +40,8 @@ def asked_for(
 
 def run_several(scenario: Scenario, rule: EgoRule, out: Path | None, overwrite: bool, quiet: bool) -> int:
     """Drive every vehicle that the rule chooses; return the exit code."""
-    from sumo_reactive.lab.fleet.fleet import run_fleet
-    from sumo_reactive.lab.fleet.record import FleetRecorder
+    from sumo_reactive.lab.recorder import FleetRecorder
+    from sumo_reactive.lab.simulation import run_fleet
     from sumo_reactive.sumo.crash import crashes_told
 
     recorder = FleetRecorder(out, overwrite=overwrite) if out else None
@@ -64,7 +64,7 @@ def _show(fleet: FleetResult, quiet: bool) -> None:
     from rich.text import Text
 
     from sumo_reactive.lab.metric_names import METRICS
-    from sumo_reactive.lab.summary import changed_rows
+    from sumo_reactive.lab.result import changed_rows
 
     arrived = sum(result.arrived for result in fleet.results)
     typer.echo(

@@ -113,7 +113,7 @@ def _with_options(
 
 
 def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialResult:
-    from sumo_reactive.lab.trial import run_trial
+    from sumo_reactive.lab.simulation import run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
     note_compiling()
@@ -124,7 +124,7 @@ def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialR
 
 
 def _show(result: TrialResult, quiet: bool) -> None:
-    from sumo_reactive.lab.summary import rows_of
+    from sumo_reactive.lab.result import rows_of
 
     if quiet:
         typer.echo(f"{result.ego}: {result.verdict}")

@@ -1,22 +1,133 @@
-"""The record of a trial in a folder: `summary.json`, `trajectory.parquet`, `decisions.jsonl`, `regions.json`."""
+"""The record of a trial in a folder, or of several egos in a folder each, with `fleet.json` over all."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
+from typing import Annotated, Any
+from urllib.parse import quote
+
+import duckdb
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, ConfigDict, Field
 
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.ego_folders import FLEET, folders_in
-from sumo_reactive.lab.result import TrialResult
-from sumo_reactive.lab.summary import summary_of
+from sumo_reactive.lab.result import FleetResult, TrialResult, overrides_of, recounts_of, summary_of
+from sumo_reactive.lab.schema import Keys, Number, read_json
+from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
-from sumo_reactive.lab.trajectory import write_trajectory
 from sumo_reactive.writing import require_writable, whole_folder
+
+COLUMNS = {
+    "time": "time_s", "x": "x_m", "y": "y_m", "heading": "heading_rad", "speed": "speed_m_s",
+    "acceleration": "acceleration_m_s2", "steering_angle": "steering_angle_rad", "lane_id": "lane_id",
+    "s": "s_m", "d": "d_m",
+    "command_acceleration": "command_acceleration_m_s2", "command_steering_rate": "command_steering_rate_rad_s",
+    "desired_speed": "desired_speed_m_s", "stop_s": "stop_m", "u": "u", "u1": "u1", "u2": "u2", "u3": "u3",
+    "leader": "leader", "gap": "gap_m", "behaviour": "behaviour", "instruction": "instruction", "pilot": "pilot",
+    "asked": "highway_code_runs", "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
+}  # fmt: skip
+"""Column of each field of `StepRecord`; decisions have a file of their own."""
+
+_FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
+_TYPES: dict[str, type] = {"asked": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
+
+
+def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
+    """Write `steps` as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done."""
+    table: dict[str, NDArray[Any]] = {
+        column: np.array([getattr(step, field) for step in steps], dtype=_TYPES.get(field, np.float64))
+        for field, column in COLUMNS.items()
+    }
+    with duckdb.connect() as database:
+        database.register("steps", table)
+        with as_os_errors():
+            database.table("steps").write_parquet(str(path))
+
+
+FLEET = "fleet.json"
+
+_LONGEST, _KEPT = 100, 80
+"""Letters of a folder's name at most, and how many of a longer one stay before its digest."""
+
+_SYSTEM_NAMES = {"con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(1, 10))}
+"""What is a device on some systems, with whatever suffix."""
+
+
+class EgoFolders:
+    """A folder's name for each ego id: two ids never share one, also where a file system does not tell capitals apart.
+
+    A name is the id with all but letters, digits and `._-` percent-encoded; where it is too long, or another's but for
+    capitals, it ends with `~` and a digest of the id. `taken` are names of files beside the folders.
+    """
+
+    def __init__(self, taken: Collection[str]) -> None:
+        self._taken = {name.casefold() for name in taken}
+        self._names: dict[str, str] = {}
+
+    def of(self, ego_id: str) -> str:
+        """Return the name of an ego's folder, the same every time."""
+        if ego_id not in self._names:
+            name = _encoded(ego_id)
+            if len(name) > _LONGEST or name.casefold() in self._taken:
+                digest = hashlib.sha256(ego_id.encode("utf-8", errors="surrogatepass")).hexdigest()
+                name = f"{name[:_KEPT]}~{digest[:16]}"
+            self._taken.add(name.casefold())
+            self._names[ego_id] = name
+        return self._names[ego_id]
+
+
+def _encoded(ego_id: str) -> str:
+    name = quote(ego_id, safe="", errors="surrogatepass").replace("~", "%7E")
+    if name.startswith(".") or name.partition(".")[0].casefold() in _SYSTEM_NAMES:
+        name = f"%{ord(name[0]):02X}{name[1:]}"
+    return f"{name[:-1]}%2E" if name.endswith(".") else name or "%"
+
+
+def _folder_name(name: str) -> str:
+    """Return a record's word for an ego's folder, which is the name of one in the record's own folder."""
+    if name in ("", ".", "..") or any(sign in name for sign in "/\\\0"):
+        raise ValueError("an ego's folder is no name")
+    return name
+
+
+class FleetEgoKeys(Keys):
+    """An ego in `fleet.json`, with its metrics beside."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Number | None]
+
+    ego: Annotated[str, Field(min_length=1)]
+    folder: Annotated[str, AfterValidator(_folder_name)]
+    verdict: Annotated[str, Field(min_length=1)]
+
+
+class RefusedKeys(Keys):
+    """A vehicle that could not be taken over."""
+
+    vehicle: str
+    reason: str
+
+
+class FleetKeys(Keys):
+    """`fleet.json`."""
+
+    egos: list[FleetEgoKeys]
+    refused: list[RefusedKeys]
+
+
+def read_fleet(folder: Path) -> FleetKeys:
+    """Return what the `fleet.json` in a folder says; raise ScenarioError if it is no record of several egos."""
+    return read_json(folder / FLEET, FleetKeys, "the record of several egos")
+
 
 SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
 
@@ -80,6 +191,54 @@ def replaced_in(folder: Path, overwrite: bool) -> list[Path]:
     found = [name for name in (FLEET, *files) if os.path.lexists(folder / name)]
     if found and not overwrite:
         raise ScenarioError(f"{folder}: holds another run ({', '.join(found)}); use --overwrite or another folder")
-    places = [".", *(folders_in(folder / FLEET) if FLEET in found else [])]
+    places = [".", *((one.folder for one in read_fleet(folder).egos) if FLEET in found else ())]
     candidates = [Path(place, name) for place in places for name in (FLEET, *files, PAGE)] if found else []
     return [path for path in candidates if os.path.lexists(folder / path)]
+
+
+class FleetRecorder:
+    """Keeps the steps of all egos in memory and writes them at the end of the run.
+
+    Raises at once what `Recorder` raises, and ScenarioError if a folder in `folder` holds a run that may not be replaced.
+    """
+
+    def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
+        self._folder = folder
+        self._records: defaultdict[str, Record] = defaultdict(Record)
+        self._replaced = replaced_in(folder, overwrite)
+        if not overwrite and (other := next(folder.glob(f"*/{SUMMARY}"), None)):
+            raise ScenarioError(f"{other.parent}: holds another run; use --overwrite or another folder than {folder}")
+
+    def see(self, ego_id: str, scene: Scene) -> None:
+        """Keep one step of one ego."""
+        self._records[ego_id].see(scene)
+
+    def survey(self, ego_id: str, graph: RoadGraph) -> None:
+        """Keep a world that an ego has driven in."""
+        self._records[ego_id].survey(graph)
+
+    def write(self, fleet: FleetResult) -> None:
+        """Write the folder of each ego and what all came to, or nothing; raise OutputError if that cannot be done."""
+        names = EgoFolders((FLEET, SUMMARY, TRAJECTORY, DECISIONS, REGIONS, PAGE))
+        with whole_folder(self._folder, FLEET, self._replaced) as partial:
+            for result in fleet.results:
+                own = partial / names.of(result.ego)
+                own.mkdir()
+                self._records[result.ego].write_into(own, result)
+            summary = json.dumps(fleet_summary(fleet, names.of), indent=2, allow_nan=False)
+            (partial / FLEET).write_text(summary + "\n", encoding="utf-8")
+
+
+def fleet_summary(fleet: FleetResult, folder_of: Callable[[str], str]) -> dict[str, object]:
+    """Return what all egos came to as plain data, units in the keys, wall-clock figures under `timing`."""
+    return {
+        "exit_code": fleet.exit_code,
+        "until_s": fleet.until,
+        "egos": [
+            {"ego": one.ego, "folder": folder_of(one.ego), "verdict": one.verdict, **one.metrics} for one in fleet.results
+        ],
+        "overrides": overrides_of(fleet.overrides),
+        "recounts": recounts_of(fleet.recounts),
+        "refused": [{"vehicle": name, "reason": reason} for name, reason in fleet.refused],
+        "timing": {"ego_step_us": round(fleet.step_us, 1), "wall_s": round(fleet.wall_s, 2)},
+    }

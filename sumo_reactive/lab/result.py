@@ -1,10 +1,14 @@
-"""What one trial came to: the ego's way, the figures of the judges, the verdict."""
+"""What one trial came to: the ego's way, the judges' figures, the verdict; as plain data for files, as lines for people."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
+
+from sumo_reactive.driver.nouns.event import EventKind
+from sumo_reactive.lab.metric_names import METRICS, TIMINGS, event_key
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.recount import Recount
@@ -14,15 +18,26 @@ Override = tuple[str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Collision:
-    """The ego's box and that of user `user_id` overlapped from `time` (s) on; `lane_id` is the ego's."""
+class _Harm:
+    """At `time` (s), to user `user_id`; `lane_id` is the ego's."""
 
     time: float
     user_id: str
     lane_id: str
 
+
+class Collision(_Harm):
+    """The ego's box and another's overlapped from then on."""
+
     def __str__(self) -> str:
         return f"collision with {self.user_id} at {self.time:.1f} s"
+
+
+class HardBrake(_Harm):
+    """Somebody behind the ego began to brake hard because of it."""
+
+    def __str__(self) -> str:
+        return f"hard braking of {self.user_id} at {self.time:.1f} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,18 +51,6 @@ class Violation:
 
     def __str__(self) -> str:
         return f"{self.kind}{f' of {self.user_id}' if self.user_id else ''} at {self.time:.1f} s"
-
-
-@dataclass(frozen=True, slots=True)
-class HardBrake:
-    """User `user_id` behind the ego began to brake hard because of it at `time` (s); `lane_id` is the ego's."""
-
-    time: float
-    user_id: str
-    lane_id: str
-
-    def __str__(self) -> str:
-        return f"hard braking of {self.user_id} at {self.time:.1f} s"
 
 
 Fault = Collision | Violation | HardBrake
@@ -117,3 +120,99 @@ class TrialResult:
         if not self.arrived:
             faults.insert(0, f"did not arrive ({self.ended})")
         return "; ".join(faults) if faults else "arrived without a violation"
+
+
+@dataclass(frozen=True)
+class FleetResult:
+    """What the trips of all egos came to, in order of departure; `refused`: vehicles that could not be taken over, and why.
+
+    `on_their_way` were those whose trip the run's end cut short: no fault of theirs. `until` is simulation time at the end
+    (s). `step_us`: wall-clock time of one ego's share of a step, all that the driver adds to SUMO (observing, deciding,
+    placing, judging), µs; `wall_s` that of the whole simulation.
+    """
+
+    results: tuple[TrialResult, ...]
+    refused: tuple[tuple[str, str], ...]
+    on_their_way: frozenset[str]
+    until: float
+    step_us: float
+    wall_s: float
+    overrides: tuple[Override, ...] = ()
+
+    @property
+    def faulty(self) -> tuple[TrialResult, ...]:
+        """Trips with a collision or violation, and those that ended before the goal."""
+        return tuple(one for one in self.results if one.collisions or one.violations or not self._is_excused(one))
+
+    def _is_excused(self, result: TrialResult) -> bool:
+        return result.arrived or result.ego in self.on_their_way
+
+    @property
+    def recounts(self) -> tuple[Recount, ...]:
+        """What was put right in SUMO's own outputs."""
+        return tuple(dict.fromkeys(one for result in self.results for one in result.recounts))
+
+    @property
+    def exit_code(self) -> int:
+        """0: no ego has a fault; else 1."""
+        return int(bool(self.faulty))
+
+
+Row = tuple[str, str]
+
+_NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_key, EventKind)}
+"""Told otherwise, or too much on a terminal."""
+
+
+def summary_of(result: TrialResult) -> dict[str, object]:
+    """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
+    plain = asdict(result)
+    plain["overrides"] = overrides_of(result.overrides)
+    plain["recounts"] = recounts_of(result.recounts)
+    plain["collisions"] = [_faulty(one) for one in plain["collisions"]]
+    plain["violations"] = [_faulty(one) for one in plain["violations"]]
+    plain["hard_brakes"] = [_faulty(one) for one in plain["hard_brakes"]]
+    ends = {"duration_s": result.duration_s, "verdict": result.verdict, "exit_code": result.exit_code}
+    return {name: _finite(value) for name, value in (ends | plain).items()}
+
+
+def rows_of(result: TrialResult) -> list[Row]:
+    """Return the summary as (label, text) rows."""
+    rows = [
+        ("verdict", result.verdict),
+        ("ego", f"{result.ego} ({result.chosen})"),
+        (METRICS["arrived"].label, f"yes, at {result.end_s:.1f} s" if result.arrived else f"no ({result.ended})"),
+    ]
+    figures = {**result.metrics, **result.timing}
+    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
+    rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
+    return [*rows, *changed_rows(result.overrides, result.recounts)]
+
+
+def overrides_of(overrides: Iterable[Override]) -> list[dict[str, str]]:
+    """Return overrides as plain data."""
+    return [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in overrides]
+
+
+def recounts_of(recounts: Iterable[Recount]) -> list[dict[str, str]]:
+    """Return what was put right in SUMO's own outputs as plain data."""
+    return [one._asdict() for one in recounts]
+
+
+def changed_rows(overrides: Iterable[Override], recounts: Iterable[Recount]) -> list[Row]:
+    """Return what was changed in the scenario, and in SUMO's own outputs, as (label, text) rows."""
+    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in overrides]
+    for one in recounts:
+        rows.append((" ".join(filter(None, (one.file, one.vehicle, one.attribute))), f"{one.sumo} → {one.used}".lstrip()))
+    return rows
+
+
+def _faulty(fault: dict[str, object]) -> dict[str, object]:
+    return {("time_s" if name == "time" else name): value for name, value in fault.items()}
+
+
+def _finite(value: object) -> object:
+    """Return `value` with None for every number that JSON cannot hold."""
+    if isinstance(value, dict):
+        return {name: _finite(one) for name, one in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

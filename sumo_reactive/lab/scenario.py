@@ -1,4 +1,4 @@
-"""Scenarios: what to run, by whom, from a scenario `.toml` or straight from a SUMO configuration."""
+"""Scenarios: what to run, by whom, and what is expected of it, from a scenario `.toml` or a SUMO configuration."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from sumo_reactive.driver import parameters
 from sumo_reactive.driver.controller import Profile
@@ -15,10 +15,44 @@ from sumo_reactive.driver.overrides import VARIABLE, overridden, overrides
 from sumo_reactive.driver.parameters import OBSTACLE_POLYGONS
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ParameterError, ScenarioError
-from sumo_reactive.lab.expectation import Expectation, ExpectKeys
-from sumo_reactive.lab.toml_file import problem_at, read_toml
+from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
 from sumo_reactive.sumo.config import read_config, seconds_of
 from sumo_reactive.sumo.option_names import given_options
+
+
+class Limit(TomlTable):
+    """A metric's smallest and largest value that is accepted, `{ min = …, max = … }`; at least one of them is given."""
+
+    min: float | None = Field(default=None, allow_inf_nan=False)
+    max: float | None = Field(default=None, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Limit:
+        if self.min is None and self.max is None:
+            raise ValueError("needs min, max or both")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise ValueError(f"min {self.min:g} is above max {self.max:g}")
+        return self
+
+
+class Expectation(TomlTable):
+    """The table `[expect]`: whether the ego arrives, how many `collisions` and `violations` it has at most, and limits of
+    metrics by name."""
+
+    arrived: bool = True
+    collisions: int = Field(default=0, ge=0)
+    violations: int = Field(default=0, ge=0)
+    metrics: dict[str, Limit] = Field(default_factory=dict)
+
+    @field_validator("metrics")
+    @classmethod
+    def _known(cls, metrics: dict[str, Limit]) -> dict[str, Limit]:
+        for name in metrics:
+            if name not in METRICS:
+                raise problem_at(name, f"unknown metric '{name}'{nearest(name, METRICS)}")
+        return metrics
+
 
 DEFAULT_SEED = 42
 
@@ -71,18 +105,17 @@ class ScenarioFile(NamedTuple):
     expectation: Expectation
 
 
-_Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
+Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
+"""A seed as files may name it."""
 
 
-class _Keys(BaseModel):
+class _Keys(TomlTable):
     """The table `[scenario]`."""
-
-    model_config = ConfigDict(extra="forbid", strict=True)
 
     config: str
     ego: str | None = None
-    seed: _Seed = DEFAULT_SEED
-    seeds: list[_Seed] | None = Field(default=None, min_length=1)
+    seed: Seed = DEFAULT_SEED
+    seeds: list[Seed] | None = Field(default=None, min_length=1)
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
     until_s: float | None = Field(default=None, gt=0.0)
     profile: Profile = Field(default=Profile.DEFAULT, strict=False)
@@ -100,7 +133,7 @@ class _Keys(BaseModel):
     @field_validator("parameters")
     @classmethod
     def _exist(cls, asked: dict[str, Any]) -> dict[str, float]:
-        return {name: _parameter(name, value) for name, value in asked.items()}
+        return {name: parameter(name, value) for name, value in asked.items()}
 
     @model_validator(mode="after")
     def _one_kind_of_seed(self) -> _Keys:
@@ -109,18 +142,17 @@ class _Keys(BaseModel):
         return self
 
 
-def _parameter(name: str, value: object) -> float:
+def parameter(name: str, value: object) -> float:
+    """Return a value for a constant of `parameters.py` that a file gives it; tell of one that cannot be."""
     try:
         return overridden(vars(parameters), name, value)
     except ParameterError as error:
         raise problem_at(name, str(error)) from error
 
 
-class _File(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-
+class _File(TomlTable):
     scenario: _Keys
-    expect: ExpectKeys = Field(default_factory=ExpectKeys)
+    expect: Expectation = Field(default_factory=Expectation)
 
 
 def load_scenario(path: Path) -> Scenario:
@@ -139,7 +171,7 @@ def load_scenario_file(path: Path) -> ScenarioFile:
     config = path.parent / file.scenario.config
     read_config(config)
     scenario = Scenario(**(keys | {"config": config, "source": path, "seed": seeds[0]}))
-    return ScenarioFile(scenario, seeds, file.expect.expectation())
+    return ScenarioFile(scenario, seeds, file.expect)
 
 
 def parameters_missing(scenario: Scenario) -> dict[str, float]:

@@ -8,13 +8,85 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sumo_reactive.driver.nouns.assessment import Assessment, Encounter
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, RegionState
-from sumo_reactive.driver.nouns.event import Event
+from pydantic import field_validator
+
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
+from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.files import text_of
-from sumo_reactive.lab.json_file import MOST_BYTES, checked
-from sumo_reactive.lab.trace_keys import DecisionKeys, LineKeys
+from sumo_reactive.lab.schema import MOST_RECORD_BYTES, Keys, Number, checked
+
+_OF_A_MEETING = {"arrival_s", "clearance_s", "foe_arrival_s", "foe_clearance_s"}
+_OF_A_LINE = {"to_line_m", "braking_needed_m_s2"}
+
+
+class EventKeys(Keys):
+    """What activated the pilot."""
+
+    event: EventKind
+    cause: str
+
+
+class EncounterKeys(Keys):
+    """Whom going on would touch, when and where."""
+
+    user: str
+    time_s: Number | None
+    s_m: Number | None
+    x_m: Number | None
+    y_m: Number | None
+
+
+class AssessmentKeys(Keys):
+    """What going on would have led to."""
+
+    outcome: Outcome
+    lateness_s: Number | None
+    constraint_m: Number | None
+    encounter: EncounterKeys | None
+
+
+class DecisionKeys(Keys):
+    """A decision with the figures that it rests on."""
+
+    behaviour: Behaviour
+    reason: Reason
+    region: str
+    cause: str
+    passes: bool
+    figures: dict[str, Number | None]
+
+    @field_validator("figures")
+    @classmethod
+    def _belong_together(cls, figures: dict[str, float | None]) -> dict[str, float | None]:
+        for mark, others in (("foe_arrival_s", _OF_A_MEETING), ("to_line_m", _OF_A_LINE)):
+            if mark in figures and (missing := sorted(others - figures.keys())):
+                raise ValueError(f"'{mark}' without '{missing[0]}'")
+        return figures
+
+
+class RegionKeys(Keys):
+    """Who holds a region."""
+
+    region: str
+    state: Occupancy
+    user: str
+
+
+class LineKeys(Keys):
+    """A whole line."""
+
+    time_s: Number
+    events: list[EventKeys]
+    assessment: AssessmentKeys
+    behaviour: Behaviour
+    instruction: Instruction
+    decisions: list[DecisionKeys]
+    regions: list[RegionKeys]
+    emergency: bool = False
+    hazard: str = ""
+
 
 Line = dict[str, Any]
 
@@ -42,16 +114,18 @@ def entries(steps: Sequence[StepRecord]) -> Iterator[Entry]:
     events: tuple[Event, ...] = ()
     in_emergency = False
     for step in steps:
+        if step.behaviour is None or step.instruction is None:  # SUMO's own driver decides nothing
+            continue
         events = step.events or events
         now = step.behaviour, step.instruction, {decision_without_figures(decision) for decision in step.decisions}
-        began = step.emergency and not in_emergency
+        began = bool(step.emergency) and not in_emergency
         if now != last or began:
             behaviour, instruction = Behaviour(step.behaviour), Instruction(step.instruction)
             yield Entry(
                 step.time, events, step.assessment, behaviour, instruction, step.decisions, step.regions, began,
-                step.hazard if began else "",
+                step.hazard or "" if began else "",
             )  # fmt: skip
-        last, in_emergency = now, step.emergency
+        last, in_emergency = now, bool(step.emergency)
 
 
 def decision_without_figures(decision: Decision) -> tuple[object, ...]:
@@ -80,7 +154,7 @@ def entry_of(line: Mapping[str, Any]) -> Entry:
 
 def read_entries(path: Path) -> tuple[Entry, ...]:
     """Read `decisions.jsonl`; raise ScenarioError with file and line for what is none."""
-    lines = text_of(path, most=MOST_BYTES).split("\n")
+    lines = text_of(path, most=MOST_RECORD_BYTES).split("\n")
     told = "a record of this release"
     return tuple(
         _entry(checked(line, LineKeys, f"{path}:{number}", told))

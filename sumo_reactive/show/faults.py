@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Decision
+from sumo_reactive.lab.check import Verdict
 from sumo_reactive.lab.result import Collision, Fault, HardBrake, TrialResult
 from sumo_reactive.lab.trace import Entry
-from sumo_reactive.lab.verdict.check import Verdict
 from sumo_reactive.show.explain import decision_told, paragraph
 
 MOST_FAULTS = 3

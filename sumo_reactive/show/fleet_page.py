@@ -9,11 +9,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from sumo_reactive.lab.ego_folders import FLEET, folders_in
-from sumo_reactive.lab.json_file import read_json
+from sumo_reactive.lab.recorder import read_fleet
 from sumo_reactive.show.frame.labels import number, title_of
 from sumo_reactive.show.frame.page import Section, code, link, page, paragraph_of, table
-from sumo_reactive.show.record_keys import FleetKeys
 
 METRICS = ("duration_s", "time_loss_s", "distance_m", "collisions", "violations", "hard_braking_caused", "rms_jerk_m_s3")
 """What the table shows of each ego."""
@@ -21,9 +19,9 @@ METRICS = ("duration_s", "time_loss_s", "distance_m", "collisions", "violations"
 
 def fleet_page(folder: Path, target: Path, own_page: str) -> str:
     """Return the page as it stands in `target`; an ego's own page is `own_page` in its folder, linked if it is there."""
-    fleet = read_json(folder / FLEET, FleetKeys, "the record of several egos")
-    egos, folders = [one.model_dump() for one in fleet.egos], folders_in(folder / FLEET)
-    rows = [_row(one, folder / own, target, own_page) for one, own in zip(egos, folders, strict=True)]
+    fleet = read_fleet(folder)
+    egos = [one.model_dump() for one in fleet.egos]
+    rows = [_row(one, folder / one["folder"], target, own_page) for one in egos]
     left = [(one.vehicle, one.reason) for one in fleet.refused]
     clean = sum(one["verdict"].startswith("arrived without") for one in egos)
     sections = (

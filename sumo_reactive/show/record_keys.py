@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, ConfigDict, Field
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.lab.json_file import Keys, Number
+from sumo_reactive.lab.schema import Keys, Number
 
 Text = Annotated[str, Field(min_length=1)]
 Point = Annotated[list[Number], Field(min_length=2, max_length=2)]
@@ -61,28 +61,3 @@ COLUMNS: dict[str, Any] = {
     "emergency": list[bool],
 }
 """The columns of `trajectory.parquet` that are read, and what each holds."""
-
-
-class EgoKeys(Keys):
-    """An ego in `fleet.json`, with its metrics beside."""
-
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Number | None]
-
-    ego: Text
-    folder: str
-    verdict: Text
-
-
-class RefusedKeys(Keys):
-    """A vehicle that could not be taken over."""
-
-    vehicle: str
-    reason: str
-
-
-class FleetKeys(Keys):
-    """`fleet.json`."""
-
-    egos: list[EgoKeys]
-    refused: list[RefusedKeys]

@@ -13,9 +13,9 @@ from pydantic import TypeAdapter, ValidationError
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import is_there
-from sumo_reactive.lab.json_file import read_json
 from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
-from sumo_reactive.lab.sealed import parquet_rows
+from sumo_reactive.lab.schema import read_json
+from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry, read_entries
 from sumo_reactive.show.record_keys import COLUMNS, Regions, SummaryKeys
 

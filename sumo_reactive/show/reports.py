@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.ego_folders import FLEET
-from sumo_reactive.lab.recorder import PAGE
+from sumo_reactive.lab.recorder import FLEET, PAGE
 from sumo_reactive.show.batch.page import batch_page
 from sumo_reactive.show.fleet_page import fleet_page
 from sumo_reactive.show.recording import load

@@ -58,6 +58,5 @@ def test_judging_a_step(benchmark, simulation):
 
 
 def _record(time: float, x: float, y: float, heading: float) -> StepRecord:
-    motion, along, targets, potentials = (10.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 10.0, 0.0), (0.0, 0.0, 0.0, 0.0)
-    behaviour, flags, rest = ("", ""), (False, False), ("", 0.0, ())
-    return StepRecord(time, x, y, heading, *motion, "", *along, *targets, *potentials, "", 0.0, *behaviour, *flags, *rest)
+    motion, flags = {"acceleration": 0.0, "steering_angle": 0.0}, {"pilot": False, "emergency": False}
+    return StepRecord(time, x, y, heading, 10.0, "", **motion, **flags, control_us=0.0, asked=0)

@@ -39,7 +39,7 @@ STAGES = {
         "    return real(name, *more)\n"
         "builtins.__import__ = importing"
     ),
-    "the network is read": "import sumo_reactive.lab.trial as one; before(one, 'read_net', strike)",
+    "the network is read": "import sumo_reactive.lab.simulation as one; before(one, 'read_net', strike)",
     "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
     "the world is built": "import sumo_reactive.lab.trip as one; before(one, 'choose_lanes', strike)",
     "a step is driven": "import libsumo; before(libsumo, 'simulationStep', strike, 150)",
@@ -109,7 +109,7 @@ def test_a_process_started_to_ignore_hang_ups_drives_on(tmp_path):
 @pytest.mark.parametrize("command", [("compare", "--jobs", 1, "--out", "out"), ("check", "--junit", "verdicts.xml")])
 @pytest.mark.parametrize("request_to_stop", ["SIGINT", "SIGTERM"])
 def test_a_request_to_stop_ends_what_runs_in_processes(tmp_path, command, request_to_stop):
-    stage = "import sumo_reactive.lab.process.runner as one; before(one, 'send', strike, 2)"
+    stage = "import sumo_reactive.lab.runner as one; before(one, 'send', strike, 2)"
     in_main = f"signal.pthread_kill(__import__('threading').main_thread().ident, signal.{request_to_stop})"
     answer = ended(
         BEFORE.format(strike=in_main) + stage, command[0], FOUR_WAY, *command[1:], folder=tmp_path

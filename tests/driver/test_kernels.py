@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from numba.core.dispatcher import Dispatcher
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.lab.trip import Trip
 
 compiled, command = Dispatcher.compile, Trip.command
@@ -25,9 +25,8 @@ def noted(kernel, signature):
 
 def commanded(trip):
     stepping[0] = True
-    order = command(trip)
+    command(trip)
     stepping[0] = False
-    return order
 
 Dispatcher.compile, Trip.command = noted, commanded
 run_trial(load_scenario(Path(sys.argv[1])))

@@ -10,10 +10,10 @@ import pytest
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.fleet.egos import EgoRule
-from sumo_reactive.lab.fleet.fleet import FleetResult, run_fleet
+from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.result import FleetResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_fleet, run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -24,7 +24,7 @@ from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 DIGESTS = tool("digests")

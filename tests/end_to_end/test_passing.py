@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 LENGTH, WIDTH = 4.7, 1.8

@@ -10,7 +10,7 @@ from junitparser import JUnitXml
 
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = (ROOT / "networks" / "four_way_priority" / "four_way_priority.sumocfg").as_posix()

@@ -7,7 +7,7 @@ from helpers.priority import Priority, Rules
 from helpers.rude import ROOT, RUNS_RED, TAKES_IT, in_a_hurry
 from helpers.witness import RED, Witness
 
-from sumo_reactive.lab.sumo_driver import run_sumo_driver
+from sumo_reactive.lab.simulation import run_sumo_driver
 
 
 @pytest.mark.parametrize("rudeness", [{}, RUNS_RED], ids=["polite", "rude"])

@@ -5,10 +5,9 @@ import json
 from helpers.results import result
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
 from sumo_reactive.driver.nouns.record import StepRecord
-from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
-from sumo_reactive.lab.summary import summary_of
+from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY, write_trajectory
+from sumo_reactive.lab.result import summary_of
 from sumo_reactive.lab.trace import entries, line_of
-from sumo_reactive.lab.trajectory import write_trajectory
 
 NAN = float("nan")
 
@@ -20,7 +19,7 @@ def step(k, behaviour=Behaviour.NORMAL, **others):
         "lane_id": "a_0", "s": float(k), "d": 0.0, "command_acceleration": 0.0, "command_steering_rate": 0.0,
         "desired_speed": 12.0, "stop_s": NAN, "u": 0.3, "u1": 0.1, "u2": 0.2, "u3": 0.0, "leader": "van", "gap": 50.0,
         "behaviour": behaviour.value, "instruction": Instruction.FOLLOW_CURVE.value, "pilot": False, "emergency": False,
-        "light": "", "control_us": 100.0, "decisions": (),
+        "light": "", "control_us": 100.0, "decisions": (), "hazard": "", "asked": 0,
     }  # fmt: skip
     return StepRecord(**(values | others))
 

@@ -8,10 +8,9 @@ from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.task import Ending, Outcome, Task
 from sumo_reactive.lab.result import Collision
 from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trace import Entry
 
 FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"

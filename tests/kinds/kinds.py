@@ -15,7 +15,7 @@ from sumolib import checkBinary
 
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import sumo_arguments
 

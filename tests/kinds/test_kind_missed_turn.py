@@ -6,7 +6,7 @@ import pytest
 from kinds import Net, Witness, car, edge, link, node, situation, standing, stream
 
 from sumo_reactive.lab.recorder import Recorder
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.show.explain import story
 from sumo_reactive.show.recording import load
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from kinds import Net, Witness, car, edge, node, program, situation, sort
 
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 
 @pytest.mark.parametrize("step", [0.1, 1.0])

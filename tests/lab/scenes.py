@@ -32,6 +32,8 @@ def record(time=0.0, x=0.0, y=0.0, heading=0.0, speed=0.0, **others) -> StepReco
         "light": "",
         "control_us": 100.0,
         "decisions": (),
+        "hazard": "",
+        "asked": 0,
     }
     return StepRecord(time=time, x=x, y=y, heading=heading, speed=speed, **(values | others))
 

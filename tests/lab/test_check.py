@@ -7,10 +7,9 @@ from helpers.results import result
 from junitparser import Error, Failure, JUnitXml
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.process.task import Ending, Outcome
-from sumo_reactive.lab.verdict.check import cases_of, verdict_on
-from sumo_reactive.lab.verdict.discovery import is_scenario_file, scenario_files
-from sumo_reactive.lab.verdict.junit import write_junit
+from sumo_reactive.lab.check import cases_of, verdict_on, write_junit
+from sumo_reactive.lab.discovery import is_scenario_file, scenario_files
+from sumo_reactive.lab.task import Ending, Outcome
 
 ROOT = Path(__file__).parents[2]
 CONFIG = (ROOT / "networks" / "roundabout" / "roundabout.sumocfg").as_posix()

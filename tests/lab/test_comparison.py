@@ -24,12 +24,11 @@ from sumo_reactive.lab.comparison.record import (
     rows_of,
     write,
 )
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.runner import Ending, Outcome, Task
 from sumo_reactive.lab.result import Collision, TrialResult
+from sumo_reactive.lab.runner import Ending, Outcome, Task
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.sumo_driver import run_sumo_driver
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
+from sumo_reactive.lab.task import Driver
 
 ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.fleet.egos import EgoRule, drawn
+from sumo_reactive.lab.egos import EgoRule, drawn
 
 
 @given(st.text(min_size=1, max_size=20), st.integers(0, 2**31 - 1))

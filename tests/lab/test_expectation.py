@@ -4,9 +4,10 @@ import pytest
 from helpers.results import result
 
 from sumo_reactive.driver.nouns.event import EventKind
-from sumo_reactive.lab.expectation import Expectation, Limit, unmet
+from sumo_reactive.lab.check import unmet
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.result import Collision, Violation
+from sumo_reactive.lab.scenario import Expectation, Limit
 
 CRASH = Collision(12.34, "veh_12", "a_0")
 RED = Violation(8.0, "red light run", "a_0")

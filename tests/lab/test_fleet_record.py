@@ -11,10 +11,8 @@ from scenes import record
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import OutputError, ScenarioError
-from sumo_reactive.lab.ego_folders import EgoFolders
-from sumo_reactive.lab.fleet.fleet import FleetResult
-from sumo_reactive.lab.fleet.record import FleetRecorder
-from sumo_reactive.lab.recorder import Recorder
+from sumo_reactive.lab.recorder import EgoFolders, FleetRecorder, Recorder
+from sumo_reactive.lab.result import FleetResult
 
 HARD = (
     "..", ".", "", "...", "a/b", "a_b", "a b", "../../x", "/etc", "a\\b", "a\nb", "a\0b", "100%", "%2E%2E", "x" * 300,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
 FEW = 10

@@ -10,10 +10,10 @@ from pathlib import Path
 import psutil
 import pytest
 
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.runner import Ending, Runner, Task, run_all
-from sumo_reactive.lab.process.scratch import scratch
+from sumo_reactive.lab.runner import Ending, Runner, Task, run_all
 from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.task import Driver
+from sumo_reactive.lab.trial_process import scratch
 
 LIMIT_S = 200.0
 FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"

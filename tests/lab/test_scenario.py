@@ -8,8 +8,7 @@ from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.overrides import VARIABLE
 from sumo_reactive.driver.parameters import STUCK_S
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.expectation import Expectation, Limit
-from sumo_reactive.lab.scenario import load_scenario, load_scenario_file, require_parameters
+from sumo_reactive.lab.scenario import Expectation, Limit, load_scenario, load_scenario_file, require_parameters
 
 ROOT = Path(__file__).parents[2]
 CONFIG = (ROOT / "networks" / "roundabout" / "roundabout.sumocfg").as_posix()
@@ -59,7 +58,7 @@ min_time_to_collision_s = {{ min = 0.5, max = 9 }}
     scenario, seeds, expectation = load_scenario_file(_file(tmp_path, text))
     assert (scenario.seed, seeds) == (3, (3, 1, 2))
     assert scenario.parameters == {"STUCK_S": 60.0}
-    limits = {"duration_s": Limit(None, 60.0), "min_time_to_collision_s": Limit(0.5, 9.0)}
+    limits = {"duration_s": Limit(max=60.0), "min_time_to_collision_s": Limit(min=0.5, max=9.0)}
     assert expectation == Expectation(violations=1, metrics=limits)
 
 

@@ -9,14 +9,13 @@ from distributed import KilledWorker
 
 from sumo_reactive.errors import ClusterError, StoreError
 from sumo_reactive.lab.batch.cluster import Cluster
-from sumo_reactive.lab.batch.scouting import Departure
+from sumo_reactive.lab.batch.engine import Order
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
-from sumo_reactive.lab.batch.trials import Trial
-from sumo_reactive.lab.batch.worker import Order
-from sumo_reactive.lab.process.task import Ending, Outcome, Task
+from sumo_reactive.lab.batch.trials import Departure, Trial
 from sumo_reactive.lab.result import HardBrake, TrialResult, Violation
 from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.task import Ending, Outcome, Task
 
 FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
 

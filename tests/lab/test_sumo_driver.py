@@ -11,9 +11,10 @@ import pytest
 import sumo
 from helpers.rude import RUNS_RED, TAKES_IT, in_a_hurry
 
+from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.lab.comparison.network_effects import Outputs
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.sumo_driver import run_sumo_driver
+from sumo_reactive.lab.simulation import run_sumo_driver
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 
@@ -61,6 +62,14 @@ def test_the_observer_sees_every_step_of_the_trip():
     assert times == pytest.approx([times[0] + 0.1 * k for k in range(len(times))])
     assert 0.1 * len(times) == pytest.approx(result.duration_s, abs=0.15)
     assert any(scene.users for scene in scenes)
+
+
+def test_the_record_of_a_step_holds_place_and_motion_and_nothing_that_sumos_own_driver_does_not_have():
+    scenes = []
+    run_sumo_driver(replace(load_scenario(FOUR_WAY), horizon_s=2.0), observer=scenes.append)
+    step = scenes[-1].step
+    assert (step.x, step.y, step.lane_id) != (0.0, 0.0, "") and step.speed > 0.0
+    assert {name for name in step._fields[6:] if getattr(step, name) not in (None, (), NOT_ASSESSED)} == set()
 
 
 def test_it_is_judged_but_not_on_what_only_this_projects_driver_has():

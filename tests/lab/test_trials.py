@@ -8,13 +8,10 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.batch.experiment_file import load_experiment
-from sumo_reactive.lab.batch.scouting import Departure, drawn_egos, scout
-from sumo_reactive.lab.batch.trial_key import _digest_of_files, key_of
-from sumo_reactive.lab.batch.trials import trials_of
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.task import Task
+from sumo_reactive.lab.batch.experiment import load_experiment
+from sumo_reactive.lab.batch.trials import Departure, _digest_of_files, drawn_egos, key_of, scout, trials_of
 from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.task import Driver, Task
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"

@@ -11,8 +11,7 @@ import pytest
 from sumo_reactive.driver.controller import Controller
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.start import started
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_trial, started
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.outputs import trip_of
 from sumo_reactive.sumo.sensor import Sensor

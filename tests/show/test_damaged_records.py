@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.json_file import Number
+from sumo_reactive.lab.schema import Number
 from sumo_reactive.show.explain import moment, story
 from sumo_reactive.show.recording import load
 from sumo_reactive.show.reports import page_of

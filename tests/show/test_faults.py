@@ -7,12 +7,11 @@ from helpers.results import result
 
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
-from sumo_reactive.lab.expectation import Expectation
-from sumo_reactive.lab.process.task import Ending, Outcome
+from sumo_reactive.lab.check import Case, Verdict
 from sumo_reactive.lab.result import Collision, HardBrake, Violation
-from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.scenario import Expectation, Scenario
+from sumo_reactive.lab.task import Ending, Outcome
 from sumo_reactive.lab.trace import Entry
-from sumo_reactive.lab.verdict.check import Case, Verdict
 from sumo_reactive.show.faults import failure_told, fault_told, judgement_of
 
 

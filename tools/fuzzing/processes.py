@@ -39,11 +39,11 @@ def warm_up(material: Path) -> None:
     import sumo_reactive.lab.batch.engine
     import sumo_reactive.lab.batch.stored_results
     import sumo_reactive.lab.comparison.comparison
-    import sumo_reactive.lab.fleet.record
+    import sumo_reactive.lab.recorder
     import sumo_reactive.show.reports
     import sumo_reactive.sumo.crash  # noqa: F401
     from sumo_reactive.lab.scenario import load_scenario
-    from sumo_reactive.lab.trial import run_trial
+    from sumo_reactive.lab.simulation import run_trial
 
     run_trial(load_scenario(material / "a.toml"))
 

@@ -16,7 +16,9 @@ TOO_NEAR = "somebody near"
 
 
 class StepRecord(NamedTuple):
-    """The ego at the end of a simulation step, and why it is there.
+    """The ego at the end of a simulation step, and why it is there; None: its driver has no such thing.
+
+    SUMO's own driver has place and motion alone.
 
     `x`, `y` is the front bumper's centre (m), `heading` in rad. `s`, `d`: front axle on C (m). `stop_s` is the planned
     stop (m on C, NaN: none). `u`, `u1`, `u2`, `u3`: potential and its terms for the chosen command. `leader`, `gap`: the
@@ -33,33 +35,33 @@ class StepRecord(NamedTuple):
     y: float
     heading: float
     speed: float
-    acceleration: float
-    steering_angle: float
     lane_id: str
-    s: float
-    d: float
-    command_acceleration: float
-    command_steering_rate: float
-    desired_speed: float
-    stop_s: float
-    u: float
-    u1: float
-    u2: float
-    u3: float
-    leader: str
-    gap: float
-    behaviour: str
-    instruction: str
-    pilot: bool
-    emergency: bool
-    light: str
-    control_us: float
-    decisions: tuple[Decision, ...]
+    acceleration: float | None = None
+    steering_angle: float | None = None
+    s: float | None = None
+    d: float | None = None
+    command_acceleration: float | None = None
+    command_steering_rate: float | None = None
+    desired_speed: float | None = None
+    stop_s: float | None = None
+    u: float | None = None
+    u1: float | None = None
+    u2: float | None = None
+    u3: float | None = None
+    leader: str | None = None
+    gap: float | None = None
+    behaviour: str | None = None
+    instruction: str | None = None
+    pilot: bool | None = None
+    emergency: bool | None = None
+    light: str | None = None
+    control_us: float | None = None
+    decisions: tuple[Decision, ...] = ()
     events: tuple[Event, ...] = ()
     assessment: Assessment = NOT_ASSESSED
     regions: tuple[RegionState, ...] = ()
-    hazard: str = ""
-    asked: int = 0
+    hazard: str | None = None
+    asked: int | None = None
 
 
 class Scene(NamedTuple):

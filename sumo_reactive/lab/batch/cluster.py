@@ -15,8 +15,8 @@ from distributed import Client, Future, KilledWorker, as_completed
 
 from sumo_reactive.driver.parameters import SCHEDULER_PATIENCE_S
 from sumo_reactive.errors import ClusterError, ReactiveError
-from sumo_reactive.lab.batch.worker import Order, Report, run_order_apart, stop_batch
-from sumo_reactive.lab.process.task import Ending, Outcome
+from sumo_reactive.lab.batch.engine import Order, Report, run_order_apart, stop_batch
+from sumo_reactive.lab.task import Ending, Outcome
 
 _ALLOWED = "distributed.scheduler.allowed-failures"
 _LOST = "the scheduler was lost; run the batch again, finished trials are kept"

@@ -1,23 +1,122 @@
-"""A batch: the trials that the store does not hold yet are run, and each is stored as soon as it is there."""
+"""A batch: the trials that the store does not hold yet are run by workers, and each is stored as soon as it is there."""
 
 from __future__ import annotations
 
+import os
+import uuid
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
-from typing import Protocol
+from threading import Lock
+from typing import NamedTuple, Protocol
 
+from sumo_reactive.driver.overrides import VARIABLE
 from sumo_reactive.errors import ClusterError, ScenarioError
-from sumo_reactive.lab.batch.experiment_file import Experiment
-from sumo_reactive.lab.batch.here import here
-from sumo_reactive.lab.batch.scouting import SCOUT, Departure
+from sumo_reactive.lab.batch.experiment import Experiment
 from sumo_reactive.lab.batch.store import Store
-from sumo_reactive.lab.batch.trial_key import key_of_scouting, release
-from sumo_reactive.lab.batch.trials import Trial
-from sumo_reactive.lab.batch.worker import Order, Report
-from sumo_reactive.lab.process.runner import Runner
-from sumo_reactive.lab.process.task import Ending
+from sumo_reactive.lab.batch.trials import SCOUT, Departure, Trial, key_of_scouting, release
+from sumo_reactive.lab.runner import Runner
 from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.task import Ending, Outcome, Task
+
+
+class Order(NamedTuple):
+    """A task for a worker; `batch` names the batch that asks, `sources` the package's sources that it was planned with."""
+
+    task: Task
+    wall_limit_s: float
+    retries: int
+    batch: str
+    sources: str
+
+
+class Report(NamedTuple):
+    """What became of an order, and after how many attempts."""
+
+    outcome: Outcome
+    attempts: int
+
+
+_lock = Lock()
+_idle: dict[str, list[Runner]] = {}
+_busy: dict[str, list[Runner]] = {}
+_stopped: set[str] = set()
+
+
+def run_order(order: Order) -> Report:
+    """Run an order."""
+    attempts = 0
+    while True:
+        attempts += 1
+        outcome = _run(order)
+        again = outcome.ending in (Ending.CRASHED, Ending.TIMEOUT) and attempts <= order.retries
+        if not again or order.batch in _stopped:
+            return Report(outcome, attempts)
+
+
+def run_order_apart(order: Order) -> Report:
+    """Run an order of another process; raise ClusterError if this one has other sources than whoever gave it."""
+    if (here := release()["sources"]) != order.sources:
+        raise ClusterError(f"a worker has sumo_reactive with sources {here}, this process {order.sources}: install the same")
+    os.environ.pop(VARIABLE, None)  # the task names every parameter that counts
+    return run_order(order)
+
+
+def stop_batch(batch: str) -> None:
+    """End every process that runs a trial of a batch, and begin no more."""
+    with _lock:
+        _stopped.add(batch)
+        runners = [*_idle.pop(batch, []), *_busy.pop(batch, [])]
+    for runner in runners:
+        runner.close()
+
+
+def _run(order: Order) -> Outcome:
+    with _lock:
+        if order.batch in _stopped:
+            return Outcome(order.task, Ending.CRASHED, reason="the batch was stopped")
+        idle = _idle.setdefault(order.batch, [])
+        runner = idle.pop() if idle else Runner()
+        _busy.setdefault(order.batch, []).append(runner)
+    try:
+        return runner.run(order.task, order.wall_limit_s)
+    finally:
+        with _lock:
+            if order.batch not in _stopped:
+                _busy[order.batch].remove(runner)
+                _idle[order.batch].append(runner)
+
+
+class Here:
+    """So many trials at the same time; `batch` names this use of them."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self.batch = uuid.uuid4().hex
+        self._threads = ThreadPoolExecutor(workers)
+
+    def reports(self, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
+        """Yield the number of an order and what became of it, as they come in."""
+        numbers = {self._threads.submit(run_order, order): k for k, order in enumerate(orders)}
+        for future in as_completed(numbers):
+            yield numbers[future], future.result()
+
+    def stop(self) -> None:
+        """End the trials that run, and begin no more."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        stop_batch(self.batch)
+        self._threads.shutdown()
+
+
+@contextmanager
+def here(workers: int) -> Iterator[Here]:
+    """Give so many workers; their trials end with it."""
+    found = Here(workers)
+    try:
+        yield found
+    finally:
+        found.stop()
 
 
 class Watcher(Protocol):

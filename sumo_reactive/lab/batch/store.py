@@ -11,12 +11,9 @@ from typing import Any
 
 import duckdb
 
-from sumo_reactive.lab.batch.scouting import Departure
-from sumo_reactive.lab.batch.store_file import connected, told
-from sumo_reactive.lab.batch.stored_events import events_of
-from sumo_reactive.lab.batch.trial_key import release
-from sumo_reactive.lab.batch.trials import Trial
-from sumo_reactive.lab.process.task import Ending, Outcome
+from sumo_reactive.lab.batch.store_file import connected, events_of, told
+from sumo_reactive.lab.batch.trials import Departure, Trial, release
+from sumo_reactive.lab.task import Ending, Outcome
 
 
 class Store:

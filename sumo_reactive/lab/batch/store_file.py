@@ -1,7 +1,8 @@
-"""A store as a file that somebody else may have written: its tables, how it is opened, and what it may not hold."""
+"""A store as a file that somebody else may have written: its tables and rows, how it is opened, what it may not hold."""
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -12,9 +13,9 @@ import duckdb
 
 from sumo_reactive.errors import InputError, StoreError
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.task import Ending
-from sumo_reactive.lab.sealed import opened, require_regular
+from sumo_reactive.lab.tables import opened, require_regular
+from sumo_reactive.lab.task import Driver, Ending, Outcome
+from sumo_reactive.lab.trace import line_of
 
 VERSION = 1
 """Version of the tables below; a store of another is refused."""
@@ -152,3 +153,32 @@ def _require_values(path: Path, database: duckdb.DuckDBPyConnection) -> None:
     for table, wrong in _WRONG.items():
         if database.execute(f"SELECT 1 FROM {table} WHERE {wrong} LIMIT 1").fetchone():
             raise StoreError(f"{path}: a damaged store: '{table}' has a row that no batch writes")
+
+
+COLLISION, HARD_BRAKING, EMERGENCY, DECISION = "collision", "hard braking", "emergency", "decision"
+
+EventRow = tuple[float, str, str, str, str | None]
+"""Time (s), kind (a violation's is its own), user concerned, lane of the ego, a decision's entry as in `decisions.jsonl`."""
+
+
+def events_of(outcome: Outcome) -> list[EventRow]:
+    """Return the events of a trial in order of time."""
+    return sorted((*_faults(outcome), *_decisions(outcome)), key=lambda row: row[0])
+
+
+def _faults(outcome: Outcome) -> Iterator[EventRow]:
+    if outcome.result is None:
+        return
+    for collision in outcome.result.collisions:
+        yield collision.time, COLLISION, collision.user_id, collision.lane_id, None
+    for violation in outcome.result.violations:
+        yield violation.time, violation.kind, violation.user_id, violation.lane_id, None
+    for brake in outcome.result.hard_brakes:
+        yield brake.time, HARD_BRAKING, brake.user_id, brake.lane_id, None
+
+
+def _decisions(outcome: Outcome) -> Iterator[EventRow]:
+    for entry in outcome.entries:
+        cause = next((one.cause for one in entry.decisions if one.cause), "")
+        kind = EMERGENCY if entry.emergency else DECISION
+        yield round(entry.time, 3), kind, cause, "", json.dumps(line_of(entry), allow_nan=False)

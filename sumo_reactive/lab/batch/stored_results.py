@@ -13,9 +13,9 @@ import duckdb
 from sumo_reactive.errors import StoreError
 from sumo_reactive.lab.batch.store_file import connected, told
 from sumo_reactive.lab.comparison.statistics import Interval, interval_of
-from sumo_reactive.lab.io_errors import as_os_errors
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.toml_file import nearest
+from sumo_reactive.lab.schema import nearest
+from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.writing import whole_file
 
 _GROUP = "scenario, driver, parameters, options"

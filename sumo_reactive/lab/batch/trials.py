@@ -2,27 +2,140 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
+import json
 import os
 import random
-from collections.abc import Callable, Iterator, Mapping
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
+import sumo_reactive
 from sumo_reactive.driver import parameters
 from sumo_reactive.driver.overrides import overrides
-from sumo_reactive.lab.batch.experiment_file import Choice, Experiment
-from sumo_reactive.lab.batch.experiment_keys import Word
-from sumo_reactive.lab.batch.scouting import Departure, drawn_egos
-from sumo_reactive.lab.batch.trial_key import key_of
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.replay import replay_command
-from sumo_reactive.lab.process.task import Task
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
 from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.simulation import started, versions
+from sumo_reactive.lab.task import Driver, Task, replay_command
 from sumo_reactive.sumo.config import read_config
-from sumo_reactive.sumo.outputs import silenced
+from sumo_reactive.sumo.input_files import inputs_of, words_of
+from sumo_reactive.sumo.option_names import INPUT_FILES, OUTPUT_FILES
+from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
+from sumo_reactive.sumo.session import is_road_car
+
+SCOUT = "sumo_reactive.lab.batch.trials:scout"
+"""Name of `scout`, to be called in another process."""
+
+
+class Departure(NamedTuple):
+    """A road car that arrives when SUMO drives it: when it departs (s after the scenario's begin), how far it goes (m)."""
+
+    vehicle_id: str
+    depart_s: float
+    length_m: float
+
+
+def scout(scenario: Scenario) -> list[Departure]:
+    """Run the scenario in this process without an ego until it ends or `until_s`; return its trips by departure and id."""
+    cars: set[str] = set()
+
+    def look(vehicle_id: str) -> bool:
+        if is_road_car(vehicle_id):
+            cars.add(vehicle_id)
+        return False
+
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        trips = Path(folder) / "trips.xml"
+        wanted = silenced(read_config(scenario.config).options) | {"tripinfo-output": str(trips), **AS_READ}
+        options = [word for name, value in wanted.items() for word in (f"--{name}", value)]
+        with started(replace(scenario, ego=None), options) as run:
+            run.session.wait_for(look, scenario.until_s, None)
+        found = [
+            Departure(trip.vehicle_id, round(trip.departure - run.begin, 3), trip.length_m)
+            for trip in read_trips(trips)
+            if trip.vehicle_id in cars and trip.departure is not None and trip.arrival is not None and not trip.vaporized
+        ]
+    return sorted(found, key=lambda trip: (trip.depart_s, trip.vehicle_id))
+
+
+def drawn_egos(trips: Sequence[Departure], count: int, seed: int, min_length_m: float, warm_up_s: float) -> list[str]:
+    """Return the ids of `count` trips drawn at random among those that qualify, by departure; fewer if fewer do."""
+    fit = [trip for trip in trips if trip.length_m >= min_length_m and trip.depart_s >= warm_up_s]
+    chosen = random.Random(seed).sample(range(len(fit)), min(count, len(fit)))
+    return [fit[k].vehicle_id for k in sorted(chosen)]
+
+
+_ROOMS_APART = ("cli", "show")
+"""Rooms that no number depends on."""
+
+
+def key_of(task: Task) -> str:
+    """Return the key of a task; raise what reading its scenario raises."""
+    scenario = task.scenario
+    parts = {
+        "files": digest_of_files(scenario.config, scenario.sumo_options),
+        "ego": scenario.ego,
+        "seed": scenario.seed,
+        "step_length_s": scenario.step_length_s,
+        "until_s": scenario.until_s,
+        "horizon_s": scenario.horizon_s,
+        "until_end": scenario.until_end,
+        "profile": scenario.profile.value,
+        "delays": scenario.delays.value,
+        "obstacle_polygons": scenario.obstacle_polygons,
+        "sumo_options": scenario.sumo_options,
+        "driver": task.driver.value,
+        "parameters": dict(task.parameters),
+        "versions": release(),
+    }
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def key_of_scouting(scenario: Scenario) -> str:
+    """Return the key of a scenario under SUMO's own drivers alone: which trips there are to draw from."""
+    files, options = digest_of_files(scenario.config, scenario.sumo_options), scenario.sumo_options
+    parts = (files, scenario.seed, scenario.step_length_s, scenario.until_s, options, release()["sumo"])
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def digest_of_files(config_file: Path, sumo_options: Sequence[str] = ()) -> str:
+    """Return a digest of what a configuration says, of all files that SUMO reads for it, and of the variables in them.
+
+    Contents count, names do not. Raises ScenarioError for a file that cannot be read. Each file is read once a process.
+    """
+    return _digest_of_files(config_file, words_of(sumo_options))
+
+
+@cache
+def _digest_of_files(config_file: Path, words: tuple[str, ...]) -> str:
+    config = read_config(config_file)
+    try:
+        inputs = inputs_of(config_file, words)
+    except OSError as error:
+        raise ScenarioError(f"{error.filename or config_file}: cannot be read: {error.strerror}") from error
+    said = {name: value for name, value in config.options.items() if name not in INPUT_FILES and name not in OUTPUT_FILES}
+    asked = sorted(INPUT_FILES & set(config.options))
+    variables = {name: os.environ.get(name) for name in inputs.variables}
+    parts = (said, asked, len(inputs.files), inputs.digest, variables)
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def release() -> dict[str, str]:
+    """Return the versions that numbers depend on, and a digest of this package's sources."""
+    package = Path(sumo_reactive.__file__).parent
+    digest = hashlib.sha256()
+    for source in sorted(package.rglob("*.py")):
+        name = source.relative_to(package)
+        if name.parts[0] not in _ROOMS_APART:
+            digest.update(f"{name.as_posix()}\n".encode() + source.read_bytes())
+    return {**versions(), "sources": digest.hexdigest()[:16]}
+
 
 Value = TypeVar("Value")
 Scout = Callable[[Scenario], list[Departure]]
@@ -68,8 +181,8 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
     for point, choice, options in itertools.product(
         list(_points(experiment)), experiment.choices, list(_product(experiment.options))
     ):
-        for seed, ego, driver in itertools.product(choice.seeds, egos[choice.name], experiment.keys.drivers):
-            trial = _trial(experiment, choice, ego, seed, driver, point, options)
+        for case in itertools.product(choice.seeds, egos[choice.name], experiment.keys.drivers):
+            trial = _trial(experiment, choice, case, point, options)
             found.setdefault(trial.key, trial)
     return _by_parameters(list(found.values()))
 
@@ -96,11 +209,11 @@ def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | No
 
 
 def _trial(
-    experiment: Experiment, choice: Choice, ego: str | None, seed: int, driver: Driver,
+    experiment: Experiment, choice: Choice, case: tuple[int, str | None, Driver],
     grid_point: Mapping[str, float], options: Mapping[str, Word],
 ) -> Trial:  # fmt: skip
     """Return one trial. Parameters are this project's driver's: SUMO's own is the same baseline whatever they are."""
-    keys, base = experiment.keys, choice.scenario
+    keys, base, (seed, ego, driver) = experiment.keys, choice.scenario, case
     point = grid_point if driver is Driver.REACTIVE else {}
     asked = {**base.parameters, **overrides(), **point}
     scenario = replace(

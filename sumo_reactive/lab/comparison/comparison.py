@@ -11,11 +11,11 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
 from sumo_reactive.lab.comparison.statistics import PairedDifference, paired_difference
 from sumo_reactive.lab.metric_names import OTHERS
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.runner import Ending, Outcome, Task, run_all
-from sumo_reactive.lab.process.scratch import scratch
 from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.runner import Ending, Outcome, Task, run_all
 from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.task import Driver
+from sumo_reactive.lab.trial_process import scratch
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical

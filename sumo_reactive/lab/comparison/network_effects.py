@@ -7,7 +7,7 @@ departure or were due later; one that is still under way at the end counts with 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -70,43 +70,20 @@ class NetworkEffects:
     arrivals: Mapping[str, Arrival]
 
 
-@dataclass
-class _Sums:
-    vehicles: int = 0
-    time_loss: float = 0.0
-    insertion_delay: float = 0.0
-    stops: int = 0
-    length_m: float = 0.0
-    carbon_dioxide_mg: float = 0.0
-    fuel_mg: float = 0.0
-    nitrogen_oxides_mg: float = 0.0
-
-    def add(self, trip: TripInfo) -> None:
-        self.insertion_delay += trip.departure_delay
-        if trip.departure is None:
-            return
-        self.vehicles += 1
-        self.time_loss += trip.time_loss
-        self.stops += trip.stops
-        self.length_m += trip.length_m
-        self.carbon_dioxide_mg += trip.carbon_dioxide_mg
-        self.fuel_mg += trip.fuel_mg
-        self.nitrogen_oxides_mg += trip.nitrogen_oxides_mg
-
-
 def effects_of(outputs: Outputs, ego_id: str, ego_teleports: int) -> NetworkEffects:
     """Read what SUMO has written about a run; `ego_teleports` are left out of SUMO's count of teleports."""
     ego = trip_of(outputs.trips, ego_id)
     if ego is None or ego.departure is None:
         raise SimulationError(f"{outputs.trips}: SUMO tells no trip of ego '{ego_id}'")
-    sums, arrivals = _Sums(), dict[str, Arrival]()
-    for trip in _others(outputs.trips, ego_id, ego.departure):
-        sums.add(trip)
-        if trip.arrival is not None and not trip.vaporized:
-            arrivals[trip.vehicle_id] = Arrival(trip.duration, trip.waiting)
-    contacts = _contacts(outputs.contacts, ego_id, ego.departure)
-    teleports = read_teleports(outputs.totals) - ego_teleports
-    return NetworkEffects(_figures(sums, len(arrivals), contacts, teleports), arrivals)
+    trips = list(_others(outputs.trips, ego_id, ego.departure))
+    arrived = (trip for trip in trips if trip.arrival is not None and not trip.vaporized)
+    arrivals = {trip.vehicle_id: Arrival(trip.duration, trip.waiting) for trip in arrived}
+    figures = _sums(trips) | {
+        "others_arrived": len(arrivals),
+        "others_collisions": _contacts(outputs.contacts, ego_id, ego.departure),
+        "others_teleports": read_teleports(outputs.totals) - ego_teleports,
+    }
+    return NetworkEffects(figures, arrivals)
 
 
 def _others(path: Path, ego_id: str, departure: float) -> Iterator[TripInfo]:
@@ -126,24 +103,21 @@ def _is_own(vehicle_id: str, ego_id: str) -> bool:
     return vehicle_id == ego_id or is_ghost(vehicle_id)
 
 
-def _figures(sums: _Sums, arrived: int, contacts: int, teleports: int) -> dict[str, float]:
-    way_km = sums.length_m / M_PER_KM
+def _sums(trips: Sequence[TripInfo]) -> dict[str, float]:
+    driven = [trip for trip in trips if trip.departure is not None]
+    way_km = sum(trip.length_m for trip in driven) / M_PER_KM
+    carbon_dioxide_mg = sum(trip.carbon_dioxide_mg for trip in driven)
     figures = {
-        "others_vehicles": sums.vehicles,
-        "others_arrived": arrived,
-        "others_time_loss_s": round(sums.time_loss, 2),
-        "others_insertion_delay_s": round(sums.insertion_delay, 2),
-        "others_stops": sums.stops,
+        "others_vehicles": len(driven),
+        "others_time_loss_s": round(sum(trip.time_loss for trip in driven), 2),
+        "others_insertion_delay_s": round(sum(trip.departure_delay for trip in trips), 2),
+        "others_stops": sum(trip.stops for trip in driven),
         "others_distance_km": round(way_km, 4),
-        "others_co2_kg": round(sums.carbon_dioxide_mg / MG_PER_KG, 4),
-        "others_fuel_kg": round(sums.fuel_mg / MG_PER_KG, 4),
-        "others_nox_g": round(sums.nitrogen_oxides_mg / MG_PER_G, 4),
-        "others_collisions": contacts,
-        "others_teleports": teleports,
+        "others_co2_kg": round(carbon_dioxide_mg / MG_PER_KG, 4),
+        "others_fuel_kg": round(sum(trip.fuel_mg for trip in driven) / MG_PER_KG, 4),
+        "others_nox_g": round(sum(trip.nitrogen_oxides_mg for trip in driven) / MG_PER_G, 4),
     }
-    if way_km > 0.0:
-        figures["others_co2_g_per_km"] = round(sums.carbon_dioxide_mg / MG_PER_G / way_km, 3)
-    return figures
+    return figures | ({"others_co2_g_per_km": round(carbon_dioxide_mg / MG_PER_G / way_km, 3)} if way_km > 0.0 else {})
 
 
 def means_over_both(one: NetworkEffects, other: NetworkEffects) -> tuple[dict[str, float], dict[str, float]]:

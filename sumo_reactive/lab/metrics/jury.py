@@ -6,16 +6,10 @@ from typing import Protocol
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.driver.world.road_graph import RoadGraph
-from sumo_reactive.lab.metrics.collisions import Collisions
-from sumo_reactive.lab.metrics.comfort import Comfort
-from sumo_reactive.lab.metrics.hard_braking import HardBraking
+from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
+from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
-from sumo_reactive.lab.metrics.pilot_activity import PilotActivity
-from sumo_reactive.lab.metrics.post_encroachment import PostEncroachment
-from sumo_reactive.lab.metrics.red_lights import RedLights
-from sumo_reactive.lab.metrics.right_of_way import RightOfWay
-from sumo_reactive.lab.metrics.time_to_collision import TimeToCollision
-from sumo_reactive.lab.metrics.timing import Timing
+from sumo_reactive.lab.metrics.rules import RedLights, RightOfWay
 from sumo_reactive.lab.result import Collision, HardBrake, Violation
 
 

@@ -6,13 +6,12 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sumo_reactive.lab.batch.stored_events import COLLISION, DECISION, EMERGENCY, HARD_BRAKING
+from sumo_reactive.lab.batch.store_file import COLLISION, DECISION, EMERGENCY, HARD_BRAKING
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.process.driver import Driver
-from sumo_reactive.lab.process.task import Ending
 from sumo_reactive.lab.result import Collision, Fault, HardBrake, Violation
+from sumo_reactive.lab.task import Driver, Ending
 from sumo_reactive.lab.trace import Entry, entry_of
 
 _COLUMNS = ("key", "scenario", "ego", "seed", "driver", "options", "ending", "reason", "verdict", "replay")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.process.driver import Driver
+from sumo_reactive.lab.task import Driver
 from sumo_reactive.show.batch.stored_trials import Pair, StoredTrial
 
 MOST = 10

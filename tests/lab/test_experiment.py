@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.batch.experiment_file import load_experiment
-from sumo_reactive.lab.process.driver import Driver
+from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.scenario import load_scenario_file
+from sumo_reactive.lab.task import Driver
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = f"{ROOT}/scenarios/four_way_priority.toml"

@@ -1,17 +1,126 @@
-"""Smallest post-encroachment time: from when the first leaves a place to when the second enters it."""
+"""How near the ego comes to others: contacts, times to collision and after encroachment, hard braking caused."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.lab.metrics.moment import Figures, Moment
+from sumo_reactive.lab.result import Collision, HardBrake
+
+
+class Collisions:
+    """Counts each contact once, from touch to parting; pedestrians count too."""
+
+    def __init__(self) -> None:
+        self.collisions: list[Collision] = []
+        self._touching: frozenset[str] = frozenset()
+
+    def see(self, moment: Moment) -> None:
+        """Note who touches the ego now and did not before."""
+        for user_id in sorted(moment.touching - self._touching):
+            self.collisions.append(Collision(moment.step.time, user_id, moment.step.lane_id))
+        self._touching = moment.touching
+
+    def figures(self) -> Figures:
+        """Return the number of collisions."""
+        return {"collisions": len(self.collisions)}
+
+
+NO_CONFLICT_S = 10.0
+"""Longer times are no conflict."""
+
+
+class TimeToCollision:
+    """min δ / ‖v − v_D‖: both bodies keep their velocities, δ is exact for their boxes (F&L 1991, §3.3.2).
+
+    Straight extrapolation: cars that meet on a bend are on collision course for a moment without any danger.
+    """
+
+    def __init__(self) -> None:
+        self._smallest = NO_CONFLICT_S
+        self._when = math.nan
+
+    def see(self, moment: Moment) -> None:
+        """Note the smallest time of this step."""
+        smallest = min(moment.times_to_collision, default=math.inf)
+        if smallest < self._smallest:
+            self._smallest, self._when = smallest, moment.step.time
+
+    def figures(self) -> Figures:
+        """Return the smallest time and when it was; None if no one was on collision course."""
+        if math.isnan(self._when):
+            return {"min_time_to_collision_s": None, "min_time_to_collision_at_s": None}
+        return {"min_time_to_collision_s": round(self._smallest, 3), "min_time_to_collision_at_s": round(self._when, 3)}
+
+
+HARD_BRAKING = -4.6
+"""m/s²; harder than SUMO's cars brake in comfort (4.5)."""
+
+LEADER_REACH_M = 60.0
+"""A leader farther ahead is not the cause."""
+
+
+class HardBraking:
+    """Counts vehicles that begin to brake below −4.6 m/s² while the ego is their leader.
+
+    The leader is the nearest body ahead, within 60 m, that is on the same lane or in the straight corridor of the
+    vehicle's width.
+    """
+
+    def __init__(self) -> None:
+        self.hard_brakes: list[HardBrake] = []
+        self._braking: set[str] = set()
+
+    def see(self, moment: Moment) -> None:
+        """Note who begins to brake hard behind the ego."""
+        if moment.hardest_braking >= HARD_BRAKING and not self._braking:
+            return
+        braking = {name for name, acceleration in moment.slowing.items() if acceleration < HARD_BRAKING}
+        for user in moment.users:
+            if user.id in braking and user.id not in self._braking and not user.body.is_person:
+                self._judge(user, moment)
+        self._braking = braking
+
+    def figures(self) -> Figures:
+        """Return the number of vehicles that the ego made brake hard."""
+        return {"hard_braking_caused": len(self.hard_brakes)}
+
+    def _judge(self, user: RoadUser, moment: Moment) -> None:
+        if _follows_ego(user, moment):
+            self.hard_brakes.append(HardBrake(moment.step.time, user.id, moment.step.lane_id))
+
+
+def _follows_ego(user: RoadUser, moment: Moment) -> bool:
+    step = moment.step
+    gap = _gap(user, step.x, step.y, step.heading, (moment.length, moment.width), step.lane_id)
+    return 0.0 <= gap < LEADER_REACH_M and all(not 0.0 <= other < gap for other in _gaps(user, moment))
+
+
+def _gaps(user: RoadUser, moment: Moment) -> Iterator[float]:
+    for other in moment.users:
+        if other.id != user.id and not other.body.is_person:
+            yield _gap(user, other.x, other.y, other.heading, (other.body.length, other.body.width), other.lane_id)
+
+
+def _gap(user: RoadUser, x: float, y: float, heading: float, size: tuple[float, float], lane_id: str) -> float:
+    """Return the way (m) from the front of `user` to the rear of a body, along its heading; infinite: not in its way."""
+    (length, width), c, s = size, math.cos(user.heading), math.sin(user.heading)
+    dx, dy = x - length * math.cos(heading) - user.x, y - length * math.sin(heading) - user.y
+    ahead, aside = dx * c + dy * s, abs(dy * c - dx * s)
+    on_the_way = aside < 0.5 * (user.body.width + width) or (bool(lane_id) and lane_id == user.lane_id)
+    if not on_the_way or (x - user.x) * c + (y - user.y) * s <= 0.0:
+        return math.inf
+    return max(0.0, ahead)
+
 
 Array = NDArray[np.float64]
 
-HORIZON_S = 10.0
+NO_ENCOUNTER_S = 10.0
 """Longer times are no encounter."""
 
 CELL_M = 0.5
@@ -48,11 +157,11 @@ class PostEncroachment:
 
     def figures(self) -> Figures:
         """Return the smallest time (s); None without an encounter."""
-        smallest = HORIZON_S
+        smallest = NO_ENCOUNTER_S
         if self._ego and self._others:
             ego, others = np.array(self._ego), _moving(self._others)
             smallest = min(smallest, _smallest(ego, others[_on_the_way(ego, others)]))
-        return {"min_post_encroachment_s": round(smallest, 3) if smallest < HORIZON_S else None}
+        return {"min_post_encroachment_s": round(smallest, 3) if smallest < NO_ENCOUNTER_S else None}
 
 
 def _moving(boxes: list[tuple[float, Array]]) -> Array:

@@ -1,4 +1,4 @@
-"""Right-of-way violations: the ego stands or drives where another should have gone first, and the other suffers from it."""
+"""Rules that the ego breaks: red lights run, and rights of way taken, where another suffers from it."""
 
 from __future__ import annotations
 
@@ -16,6 +16,29 @@ from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.metrics.moment import Figures, Moment
 from sumo_reactive.lab.result import Violation
+
+NO_GO = frozenset("rRu")
+"""Red, and red with yellow; "s" (stop, then go) is not among them."""
+
+
+class RedLights:
+    """Counts stop lines crossed under a letter that forbids it, before the step and in it.
+
+    Lights and the line are SUMO's, not what the driver has seen of them.
+    """
+
+    def __init__(self) -> None:
+        self.violations: list[Violation] = []
+
+    def see(self, moment: Moment) -> None:
+        """Note a crossing on red."""
+        if moment.crossed and NO_GO.issuperset(moment.crossed):
+            self.violations.append(Violation(moment.step.time, "red light run", moment.step.lane_id))
+
+    def figures(self) -> Figures:
+        """Return the number of red lights run."""
+        return {"red_lights_run": len(self.violations)}
+
 
 OBSTRUCTED_BRAKING = -3.0
 """m/s²; who has priority and brakes harder is obstructed (comfortable braking is 2 to 3)."""
@@ -47,7 +70,7 @@ ROUNDING_S = 1e-6
 APPROACH_M = 50.0
 """A vehicle this close to its stop line is about to use the junction: its braking distance at 16 m/s and 2.5 m/s²."""
 
-MOVING_SPEED = 0.5
+OBSTRUCTED_SPEED = 0.5
 """m/s; who stands is not obstructed by being where it is."""
 
 
@@ -108,12 +131,12 @@ class RightOfWay:
             brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
             brakes = brakes and not _comes_onto_slower_road(self._graph, user)
             suffers = brakes or time < NEAR_MISS_S
-            if suffers and user.speed > MOVING_SPEED and user.id not in self._obstructed:
+            if suffers and user.speed > OBSTRUCTED_SPEED and user.id not in self._obstructed:
                 self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
 
     def figures(self) -> Figures:
-        """Return the number of users obstructed."""
-        return {"right_of_way_violations": len(self.violations)}
+        """Return the number of users obstructed; None where nobody knows the roads."""
+        return {"right_of_way_violations": None if self._graph is None else len(self.violations)}
 
     def _remember(self, moment: Moment) -> None:
         """Keep the speeds (m/s) of the last OBSTRUCTED_FOR_S, and of the step before."""
@@ -134,7 +157,7 @@ class RightOfWay:
         now, users = moment.step.time, {user.id: user for user in moment.users}
         for name, suspicion in tuple(self._suspicions.items()):
             user = users.get(name)
-            if user is None or user.speed <= MOVING_SPEED:
+            if user is None or user.speed <= OBSTRUCTED_SPEED:
                 self._found.append(self._suspicions.pop(name).violation)
             elif _covers(moment, suspicion.polygon):
                 self._suspicions[name] = suspicion._replace(left=None)

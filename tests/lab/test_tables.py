@@ -7,7 +7,7 @@ import duckdb
 import pytest
 
 from sumo_reactive.errors import InputError
-from sumo_reactive.lab.sealed import opened, parquet_rows, require_regular
+from sumo_reactive.lab.tables import opened, parquet_rows, require_regular
 
 NAME = "steps.parquet"
 
@@ -64,7 +64,7 @@ def test_what_is_no_regular_file_is_told_and_never_opened(tmp_path):
     (tmp_path / "large").write_bytes(b"12345")
     (tmp_path / "loop").symlink_to("loop")
     told = {
-        tmp_path / "pipe": "not a regular file", tmp_path: "a directory", tmp_path / "none": "no such file",
+        tmp_path / "pipe": "a pipe, not a file", tmp_path: "a directory", tmp_path / "none": "no such file",
         tmp_path / "large": "more than", tmp_path / ("x" * 300): "too long", tmp_path / "loop": "symbolic links",
     }  # fmt: skip
     for path, words in told.items():

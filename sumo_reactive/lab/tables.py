@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
-import stat
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import duckdb
 
 from sumo_reactive.errors import InputError
+from sumo_reactive.files import is_there, require_file
 
 _NO_CODE: dict[str, Any] = {
     "allow_community_extensions": False,
@@ -30,15 +32,12 @@ MAX_RECORD_BYTES = 1 << 30
 
 def require_regular(path: Path, max_bytes: int | None = None) -> None:
     """Raise InputError unless a path is a regular file, not larger than `max_bytes`; a pipe or a device may never end."""
-    try:
-        found = path.stat()
-    except (OSError, ValueError) as error:
-        told = "no such file" if isinstance(error, FileNotFoundError) else getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: {told}") from error
-    if not stat.S_ISREG(found.st_mode):
-        raise InputError(f"{path}: {'a directory, not a file' if stat.S_ISDIR(found.st_mode) else 'not a regular file'}")
-    if max_bytes is not None and found.st_size > max_bytes:
-        raise InputError(f"{path}: {found.st_size / 1e6:.0f} MB, more than {max_bytes / 1e6:.0f}")
+    require_file(path, InputError)
+    if not is_there(path):
+        raise InputError(f"{path}: no such file")
+    size = path.stat().st_size
+    if max_bytes is not None and size > max_bytes:
+        raise InputError(f"{path}: {size / 1e6:.0f} MB, more than {max_bytes / 1e6:.0f}")
 
 
 def opened(path: Path | None, *, read_only: bool = False, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
@@ -67,3 +66,14 @@ def parquet_rows(path: Path, query: str, max_rows: int) -> list[tuple[Any, ...]]
     if len(rows) > max_rows:
         raise InputError(f"{path}: more than {max_rows} rows")
     return rows
+
+
+@contextmanager
+def as_os_errors() -> Iterator[None]:
+    """Raise an `IOException` of DuckDB as OSError."""
+    try:
+        yield
+    except duckdb.IOException as error:
+        if found := re.search(r'"errno":"(\d+)"', str(error)):
+            raise OSError(int(found[1]), os.strerror(int(found[1]))) from error
+        raise OSError(" ".join(str(error).split())) from error

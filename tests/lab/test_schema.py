@@ -7,10 +7,10 @@ import os
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.batch.experiment_file import load_experiment
+from sumo_reactive.lab.batch.experiment import load_experiment
+from sumo_reactive.lab.discovery import is_scenario_file
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.toml_file import MOST_BYTES
-from sumo_reactive.lab.verdict.discovery import is_scenario_file
+from sumo_reactive.lab.schema import MOST_TOML_BYTES
 
 
 @pytest.mark.parametrize(
@@ -20,7 +20,7 @@ from sumo_reactive.lab.verdict.discovery import is_scenario_file
         ("[scenario]\na = " + "{a = " * 30_000, "nested too deeply"),
         ("[scenario]\nconfig = 1\n" + "# more\n" * 20_000, "a.toml: key 'scenario.config'"),
         ("[scenario]\nseed = " + "9" * 5000, "not TOML"),
-        ("# more\n" * MOST_BYTES, "more than 1 MB"),
+        ("# more\n" * MOST_TOML_BYTES, "more than 1 MB"),
         ("[scenario]\nconfig = 2020-13-45", "not TOML"),
     ],
     ids=["lists", "tables", "lines", "digits", "size", "date"],

@@ -10,14 +10,12 @@ import pytest
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of
-from sumo_reactive.lab.fleet.egos import EgoRule
-from sumo_reactive.lab.fleet.fleet import run_fleet
-from sumo_reactive.lab.fleet.record import fleet_summary
+from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.recorder import fleet_summary
+from sumo_reactive.lab.result import rows_of as shown
+from sumo_reactive.lab.result import summary_of
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.summary import rows_of as shown
-from sumo_reactive.lab.summary import summary_of
-from sumo_reactive.lab.sumo_driver import run_sumo_driver
-from sumo_reactive.lab.trial import run_trial
+from sumo_reactive.lab.simulation import run_fleet, run_sumo_driver, run_trial
 from sumo_reactive.sumo.config import read_config
 
 ROOT = Path(__file__).parents[2]

@@ -1,4 +1,4 @@
-"""The process that runs trials for another one, one after another: orders come in on standard input, answers go out."""
+"""The process that runs trials for another one, one after another, and the folder for its temporary files."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import os
 import pickle
+import shutil
 import signal
 import struct
 import sys
@@ -13,12 +14,41 @@ import tempfile
 import threading
 import time as clock
 import traceback
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, BinaryIO
 
 from sumo_reactive.errors import ReactiveError
-from sumo_reactive.lab.process.scratch import remove
+
+_ATTEMPTS, _PAUSE_S = 5, 0.05
+
+
+def new_scratch() -> Path:
+    """Return the name of a folder that nobody can guess, and make nothing."""
+    return Path(tempfile.gettempdir()) / f"sumo_reactive_{uuid.uuid4().hex}"
+
+
+@contextmanager
+def scratch() -> Iterator[Path]:
+    """Give the name of a folder, and remove what is there at the end."""
+    folder = new_scratch()
+    try:
+        yield folder
+    finally:
+        remove(folder)
+
+
+def remove(folder: Path) -> None:
+    """Remove a folder, also while others still write there or remove it."""
+    for _ in range(_ATTEMPTS):
+        shutil.rmtree(folder, ignore_errors=True)
+        if not folder.exists():
+            return
+        clock.sleep(_PAUSE_S)
+
 
 _SIZE = struct.Struct("!Q")
 
@@ -51,7 +81,7 @@ def main(scratch: str) -> None:
     orders: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_listen, args=(orders, Path(scratch)), daemon=True).start()
     with contextlib.suppress(Exception):  # tried again, and told, by the first order
-        import sumo_reactive.lab.process.observed  # noqa: F401
+        import sumo_reactive.lab.simulation  # noqa: F401
     tempfile.tempdir = scratch
     send(answers, ())
     while True:

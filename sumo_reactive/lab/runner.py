@@ -23,9 +23,8 @@ import psutil
 
 from sumo_reactive.driver.overrides import VARIABLE, overrides
 from sumo_reactive.driver.parameters import MAX_MEMORY_MB, MAX_TRIALS, RECYCLE_MEMORY_MB
-from sumo_reactive.lab.process.scratch import new_scratch, remove
-from sumo_reactive.lab.process.task import Ending, Outcome, Task
-from sumo_reactive.lab.process.trial_process import receive, send
+from sumo_reactive.lab.task import Ending, Outcome, Task
+from sumo_reactive.lab.trial_process import new_scratch, receive, remove, send
 from sumo_reactive.sumo.crash import DEADLY
 
 __all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
@@ -33,7 +32,7 @@ __all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
 Answer = tuple[Ending, Any, float]
 """How a call ended; its value, or in one line why there is none; wall-clock time, s."""
 
-_RUN = "sumo_reactive.lab.process.observed:run_observed"
+_RUN = "sumo_reactive.lab.simulation:run_observed"
 _LOOK_S = 0.5
 _FAREWELL_S = 1.0
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -104,7 +103,7 @@ class _Child:
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 closed with the process
         self._own_scratch = None if scratch else new_scratch()
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "sumo_reactive.lab.process.trial_process", str(scratch or self._own_scratch)],
+            [sys.executable, "-m", "sumo_reactive.lab.trial_process", str(scratch or self._own_scratch)],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=_environment(parameters),
         )  # fmt: skip
         assert self._process.stdin and self._process.stdout
@@ -223,4 +222,3 @@ def run_all(
 def _environment(parameters: Mapping[str, float]) -> dict[str, str]:
     asked = json.dumps(overrides() | dict(parameters), sort_keys=True)
     return dict.fromkeys(_ONE_THREAD, "1") | dict(os.environ) | {VARIABLE: asked}
-

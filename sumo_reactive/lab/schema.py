@@ -1,4 +1,4 @@
-"""TOML files that follow a schema: every problem becomes one line that names file, line and key."""
+"""Files that follow a schema: every problem of a TOML or JSON file is one line that names file, place and key."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import re
 import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.files import text_of
+from sumo_reactive.files import content_of, text_of
 
 Model = TypeVar("Model", bound=BaseModel)
 KeyPath = Sequence[str | int]
@@ -21,16 +21,22 @@ KeyPath = Sequence[str | int]
 MOST_NAMES = 3
 """So many of the nearest names are shown for one that is unknown."""
 
-MOST_BYTES = 2**20
+MOST_TOML_BYTES = 2**20
 """A file that people write is smaller."""
 
 MOST_LINES = 1000
 """In a longer file the line of a problem is not looked for: that takes a time that grows with its square."""
 
 
+class TomlTable(BaseModel):
+    """A table with these keys, of these types, and no others."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
 def read_toml(path: Path, schema: type[Model]) -> Model:
     """Return the contents of `path` as `schema` describes them; raise ScenarioError naming file, line and key."""
-    text = text_of(path, most=MOST_BYTES)
+    text = text_of(path, most=MOST_TOML_BYTES)
     try:
         return schema.model_validate(tomllib.loads(text))
     except ValidationError as error:
@@ -118,3 +124,45 @@ def _line_in(message: str) -> str:
 
 def _without_place(message: str) -> str:
     return re.sub(r" \(at .*\)$", "", message)
+
+
+Schema = TypeVar("Schema")
+
+MOST_RECORD_BYTES = 2**28
+"""No file of a record is larger."""
+
+LARGEST = 1e12
+"""No number of a record is larger, whatever its unit."""
+
+
+def _whole(value: float) -> float:
+    return int(value) if value.is_integer() else value
+
+
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False), AfterValidator(_whole)]
+"""A number of a record; a whole one stays whole, as counts are."""
+
+
+class Keys(BaseModel):
+    """A JSON object with keys of these types; others are left alone."""
+
+    model_config = ConfigDict(strict=True, extra="ignore", frozen=True)
+
+
+def read_json(path: Path, schema: type[Schema], what: str) -> Schema:
+    """Return the contents of `path`, which is `what` ("the summary of a run"); raise ScenarioError for something else."""
+    return checked(content_of(path, most=MOST_RECORD_BYTES), schema, str(path), what)
+
+
+def checked(text: str | bytes, schema: type[Schema], place: str, what: str) -> Schema:
+    """Return JSON as `schema` describes it; raise ScenarioError naming the place and the key if it is not `what`."""
+    try:
+        return TypeAdapter(schema).validate_json(text)
+    except ValidationError as error:
+        problem = error.errors(include_url=False, include_context=False)[0]
+        key = ".".join(str(part) for part in problem["loc"])
+        if problem["type"] == "missing":
+            told = f"key '{key}' is missing"
+        else:
+            told = (f"key '{key}': " if key else "") + str(problem["msg"]).removeprefix("Value error, ")
+        raise ScenarioError(f"{place}: not {what}: {told}") from error

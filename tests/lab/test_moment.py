@@ -8,7 +8,7 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.lab.metrics.contact import SHRINK_M, contacts
+from sumo_reactive.lab.metrics.moment import SHRINK_M, contacts
 
 LENGTH, WIDTH = 4.7, 1.8
 sizes = st.tuples(st.floats(0.3, 15.0), st.floats(0.3, 3.0))

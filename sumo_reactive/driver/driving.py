@@ -1,0 +1,225 @@
+"""The driver whole: it controls, and from where that leaves the car it plans anew where needed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Protocol
+
+from sumo_reactive.driver.controller import Controller, Drive, Step, replanned
+from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
+from sumo_reactive.driver.nouns.plan import Aside, LaneSegment, NominalPlan
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.traffic import Traffic
+from sumo_reactive.driver.parameters import CREEPING_SPEED, DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M
+from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes
+from sumo_reactive.driver.path.planner import PlanStart, plan
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.route import Route
+from sumo_reactive.errors import PlanError
+
+
+class Ways(Protocol):
+    """What knows the roads beyond W, for a driver that has missed its turn."""
+
+    def build(self, edges: Sequence[str], /) -> RoadGraph:
+        """Return a world that holds a route of edges."""
+
+    def quickest_way(self, firsts: Sequence[str], goals: Sequence[str], /) -> tuple[str, ...]:
+        """Return the edges of the quickest way from one of `firsts` by all `goals` in order; empty: there is none."""
+
+
+class WayRound(NamedTuple):
+    """A new route from the car's edge on, the lanes of the world around it, and how much longer it takes, s.
+
+    `missed`: the edge that the old route turned to.
+    """
+
+    route: Route
+    choice: LaneChoice
+    longer: float
+    missed: str
+
+
+@dataclass(frozen=True)
+class Driving:
+    """A car on its way: its `controller`, its `route` with the lanes it can be driven on, and how far it has come.
+
+    Each `step` is followed by `after`, once the world has moved on as well. `speed_factor` scales the lanes' limits.
+    Without `ways` there is no other way to the goal than the route. `looked`: route index and lane on which another way was
+    looked for last, and what was found.
+    """
+
+    controller: Controller
+    route: Route
+    choice: LaneChoice
+    drive: Drive
+    speed_factor: float = 1.0
+    ways: Ways | None = None
+    looked: tuple[int, str, WayRound | None] = (-1, "", None)
+
+    @property
+    def graph(self) -> RoadGraph:
+        """The world around the route."""
+        return self.controller.graph
+
+    @property
+    def front(self) -> float:
+        """Where the front bumper is on C, m."""
+        return self.drive.s + self.controller.limits.front_overhang
+
+    @property
+    def left(self) -> float:
+        """The way that the front bumper has left to the goal, m; infinite while the plan does not reach it."""
+        goal = self.drive.plan.goal
+        return math.inf if goal is None else goal - self.front
+
+    def step(self, traffic: Traffic, duration: float) -> Step:
+        """Drive for `duration` s on the present plan."""
+        return self.controller.step(traffic, self.drive, duration)
+
+    def after(self, step: Step, time: float) -> Driving:
+        """Go on at `time` (s) from where a step has led: on a new plan where the pilot asks for one, C ends or was left.
+
+        Raises PlanError if no plan leads to the goal any more.
+        """
+        here, asked = replace(self, drive=step.drive), step.completed.request
+        if asked.what is Replanning.ROUTE:
+            here, way = here._looked_round()
+            if way is not None and here._is_worth(way, time):
+                return here._rerouted(way, time)
+        return here._replanned(step, time) if here._needs_curve(step) else here
+
+    def _needs_curve(self, step: Step) -> bool:
+        plan_now = self.drive.plan
+        if step.completed.request.what is Replanning.CURVE:
+            return True
+        runs_out = plan_now.goal is None and plan_now.curve.length - self.drive.s < PLAN_RESERVE_M
+        return not step.completed.move and (runs_out or abs(step.snapshot.d) >= OFF_CURVE_M)
+
+    def _replanned(self, step: Step, time: float) -> Driving:
+        asked, s = step.completed.request, self.drive.s
+        aside = asked.aside if asked.what is Replanning.CURVE else self.drive.plan.aside
+        if aside is not None:
+            aside = replace(aside, back=aside.back - s, until=aside.until - s)
+        start = self._start_onto(asked, time) if asked.onto else self._start(time)
+        if asked.change_lane:
+            with suppress(PlanError):  # carried onto another lane, from which there is no such change
+                return self._on(self._plan(start, asked.change_lane, aside), time)
+        try:
+            return self._on(self._plan(start, aside=aside), time)
+        except PlanError:  # carried past the last place to change lanes
+            here, way = self._looked_round()
+            if way is None:
+                raise
+            return here._rerouted(way, time)
+
+    def _on(self, new_plan: NominalPlan, time: float) -> Driving:
+        return replace(self, drive=replanned(self.drive, new_plan, time))
+
+    def _plan(self, start: PlanStart, change_now: int = 0, aside: Aside | None = None) -> NominalPlan:
+        control = self.controller
+        return plan(
+            control.graph, self.route, control.vehicle_class, control.limits, start,
+            change_now=change_now, aside=aside, choice=self.choice,
+        )  # fmt: skip
+
+    def _start(self, time: float) -> PlanStart:
+        here, ego = segment_at(self.drive.plan, self.front), self.drive.ego
+        position = here.lane_offset + (self.front - here.start) / here.stretch
+        return PlanStart(
+            ego.pose, ego.speed, ego.steering_angle, time, here.lane_id, position, here.route_index, self.speed_factor
+        )
+
+    def _start_onto(self, asked: Request, time: float) -> PlanStart:
+        """Return the start on the lane that the car has turned into, or on one behind it that its front has reached."""
+        pose, reach = self.drive.ego.pose, self.controller.limits.front_to_rear_axle
+        x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
+        lane, index = self.graph.lanes[asked.onto], asked.route_index
+        position = lane.spine.project(x, y)[0]
+        while position >= lane.spine.length and (onward := self._onward(lane, index)) is not None:
+            reached = onward.spine.project(x, y)[0]
+            if reached <= 0.0:
+                break
+            lane, index, position = onward, index + 1, reached
+        return replace(self._start(time), lane_id=lane.id, lane_position=position, route_index=index)
+
+    def _onward(self, lane: Lane, index: int) -> Lane | None:
+        """Return a lane that leads on from one of the route's edge `index`; None: there is none."""
+        following = self.route.edges[index + 1 : index + 2]
+        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.outgoing.get(lane.id, ()))
+        return next((one for one in ahead if one is not None and one.edge_id in following), None)
+
+    def _looked_round(self) -> tuple[Driving, WayRound | None]:
+        """Return the other way from the car's lane to its goal, looked for once on each lane."""
+        here = segment_at(self.drive.plan, self.front)
+        if self.looked[:2] == (here.route_index, here.lane_id):
+            return self, self.looked[2]
+        found = self._way_round(self.ways, here) if self.ways else None
+        return replace(self, looked=(here.route_index, here.lane_id, found)), found
+
+    def _way_round(self, ways: Ways, here: LaneSegment) -> WayRound | None:
+        """Return the quickest other way to the goal that the lane `here` leads to without a change; None: there is none.
+
+        It passes the stops of the route that are not served yet.
+        """
+        graph, route, index = self.graph, self.route, here.route_index
+        lane = graph.lanes[here.lane_id]
+        stops = tuple(stop for stop in route.stops if stop not in self.drive.memory.served)
+        goals = [*(graph.lanes[stop.lane_id].edge_id for stop in stops), route.edges[-1]]
+        if lane.is_internal or index + 1 >= len(route.edges) or lane.edge_id in goals[:-1]:
+            return None
+        missed, vehicle_class = route.edges[index + 1], self.choice.vehicle_class
+        onward = [graph.lanes[way.to_lane] for way in graph.outgoing.get(lane.id, ())]
+        firsts = [one.edge_id for one in onward if one.allows(vehicle_class) and one.edge_id != missed]
+        way = ways.quickest_way(firsts, goals)
+        if not way:
+            return None
+        new = Route((lane.edge_id, *way), route.arrival_position, route.arrival_lane, stops)
+        world = ways.build(new.edges)
+        lanes = choose_lanes(world, new, vehicle_class)
+        if lanes.onward[0][lane.index].cost == math.inf:
+            return None
+        return WayRound(new, lanes, _duration(world, new.edges) - _duration(graph, route.edges[index:]), missed)
+
+    def _is_worth(self, way: WayRound, time: float) -> bool:
+        """Whether the car has waited for its turn as long as the other way takes longer."""
+        since = self.drive.memory.waiting_since
+        return since is not None and time - since >= min(way.longer, DETOUR_PATIENCE_S)
+
+    def _rerouted(self, way: WayRound, time: float) -> Driving:
+        """Return the driving on the other way, in the world around it."""
+        start = replace(self._start(time), route_index=0)
+        memory = self.drive.memory._replace(waiting_since=None, escapes=0, progress_time=time)
+        other = replace(
+            self, controller=replace(self.controller, graph=way.choice.graph), route=way.route, choice=way.choice,
+            drive=self.drive._replace(memory=memory), looked=(-1, "", None),
+        )  # fmt: skip
+        return other._on(replace(other._plan(start), missed=way.missed), time)
+
+
+def set_out(
+    controller: Controller, route: Route, start: PlanStart, choice: LaneChoice | None = None, ways: Ways | None = None
+) -> Driving:
+    """Return the driving of a route from its start; `choice` saves the route's lane outlooks from an earlier call.
+
+    Raises PlanError naming the edges that no lane sequence connects.
+    """
+    graph, limits, vehicle_class = controller.graph, controller.limits, controller.vehicle_class
+    choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
+    nominal = plan(graph, route, vehicle_class, limits, start, choice=choice)
+    drive = Drive(VehicleState(start.pose, start.speed, start.steering_angle), nominal, 0.0)
+    return Driving(controller, route, choice, drive, start.speed_factor, ways)
+
+
+def segment_at(nominal: NominalPlan, front: float) -> LaneSegment:
+    """Return the lane segment of C that holds the front bumper at arc length `front`, m; the last one past its end."""
+    return next((segment for segment in nominal.segments if front < segment.end), nominal.segments[-1])
+
+
+def _duration(graph: RoadGraph, edges: Sequence[str]) -> float:
+    """Return the time that a free drive along `edges` takes, s."""
+    return sum(lane.length / max(lane.speed_limit, CREEPING_SPEED) for lane, *_ in map(graph.edge_lanes.__getitem__, edges))

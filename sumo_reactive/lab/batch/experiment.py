@@ -1,0 +1,196 @@
+"""The experiment `.toml`: which scenarios, egos, seeds, parameters, options and drivers make up the trials."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, field_validator
+
+from sumo_reactive.driver.controller import Profile
+from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.errors import ReactiveError, ScenarioError
+from sumo_reactive.files import text_of
+from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, parameter
+from sumo_reactive.lab.schema import TomlTable, line_of, nearest, problem_at, read_toml
+from sumo_reactive.lab.task import Driver
+from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
+
+OURS = ("seed", "step-length")
+"""SUMO options that the experiment names in keys of their own."""
+
+_Driver = Annotated[Driver, Field(strict=False)]
+Word = str | int | float | bool
+
+
+class ExperimentKeys(TomlTable):
+    """The table `[experiment]`."""
+
+    scenarios: list[str] = Field(min_length=1)
+    seeds: list[Seed] | None = Field(default=None, min_length=1)
+    drivers: list[_Driver] = Field(default=[Driver.REACTIVE, Driver.SUMO], min_length=1)
+    metrics: list[str] = Field(default=["arrived", "collisions", "violations", "duration_s", "time_loss_s"])
+    store: str | None = None
+    step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
+    until_s: float | None = Field(default=None, gt=0.0)
+    horizon_s: float | None = Field(default=None, gt=0.0)
+    profile: Profile | None = Field(default=None, strict=False)
+    delays: Delays | None = Field(default=None, strict=False)
+    wall_limit_s: float = Field(default=600.0, gt=0.0)
+    retries: int = Field(default=1, ge=0)
+
+    @field_validator("metrics")
+    @classmethod
+    def _known(cls, metrics: list[str]) -> list[str]:
+        for k, name in enumerate(metrics):
+            if name not in METRICS:
+                raise problem_at(k, f"unknown metric '{name}'{nearest(name, METRICS)}")
+        return metrics
+
+    @field_validator("scenarios", "seeds", "drivers", "metrics")
+    @classmethod
+    def _differ(cls, values: list[Any] | None) -> list[Any] | None:
+        for k, value in enumerate(values or ()):
+            if values and value in values[:k]:
+                raise problem_at(k, "named twice")
+        return values
+
+
+class EgoKeys(TomlTable):
+    """The table `[egos]`: ids, for every scenario or by scenario, or how many trips to draw."""
+
+    names: list[str] | dict[str, list[str]] | None = Field(default=None)
+    drawn: int | None = Field(default=None, ge=1)
+    seed: Seed = 0
+    min_length_m: float = Field(default=0.0, ge=0.0)
+    warm_up_s: float = Field(default=0.0, ge=0.0)
+
+
+class SampleKeys(TomlTable):
+    """The table `[samples]`: `count` points drawn evenly from the ranges [low, high] of `parameters`."""
+
+    count: int = Field(ge=1)
+    seed: Seed = 0
+    parameters: dict[str, list[float]] = Field(min_length=1)
+
+    @field_validator("parameters")
+    @classmethod
+    def _ranges(cls, asked: dict[str, list[float]]) -> dict[str, list[float]]:
+        for name, limits in asked.items():
+            if len(limits) != 2 or limits[0] >= limits[1]:
+                raise problem_at(name, "not a range [low, high]")
+            _values(name, limits)
+        return asked
+
+
+class ExperimentFile(TomlTable):
+    """All tables: values of `parameters` and `options` that are lists make a grid."""
+
+    experiment: ExperimentKeys
+    egos: EgoKeys = Field(default_factory=EgoKeys)
+    parameters: dict[str, float | list[float]] = Field(default_factory=dict)
+    samples: SampleKeys | None = None
+    options: dict[str, Word | list[Word]] = Field(default_factory=dict)
+
+    @field_validator("parameters")
+    @classmethod
+    def _exist(cls, asked: dict[str, float | list[float]]) -> dict[str, float | list[float]]:
+        return {name: _values(name, value if isinstance(value, list) else [value]) for name, value in asked.items()}
+
+    @field_validator("options")
+    @classmethod
+    def _free(cls, asked: dict[str, Word | list[Word]]) -> dict[str, Word | list[Word]]:
+        for name, values in asked.items():
+            if canonical(name) in OUTPUT_FILES:
+                raise problem_at(name, "an output that every trial would write to")
+            if canonical(name) in OURS:
+                raise problem_at(name, "named under [experiment], as 'seeds' or 'step_length_s'")
+            if values == []:
+                raise problem_at(name, "no value")
+        return asked
+
+
+def _values(name: str, values: list[float]) -> list[float]:
+    if not values:
+        raise problem_at(name, "no value")
+    return [parameter(name, value) for value in values]
+
+
+SUFFIX = ".duckdb"
+
+
+class Choice(NamedTuple):
+    """A scenario of an experiment: as the file names it, as loaded, the egos named for it (empty: none), its seeds."""
+
+    name: str
+    scenario: Scenario
+    egos: tuple[str, ...]
+    seeds: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment file as read; a path in it is relative to it."""
+
+    path: Path
+    store: Path
+    keys: ExperimentKeys
+    choices: tuple[Choice, ...]
+    egos: EgoKeys
+    grid: dict[str, list[float]]
+    samples: SampleKeys | None
+    options: dict[str, list[Word]]
+
+    def problem(self, keys: tuple[str | int, ...], message: str) -> ScenarioError:
+        """Return the error that names the line of a key."""
+        return _problem(self.path, keys, message)
+
+
+def load_experiment(path: Path) -> Experiment:
+    """Read an experiment file; raise ScenarioError naming file, line and key of what cannot be run."""
+    file = read_toml(path, ExperimentFile)
+    keys = file.experiment
+    _check_egos(path, file)
+    choices = tuple(_choice(path, file, k, name) for k, name in enumerate(keys.scenarios))
+    store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(SUFFIX)
+    grid = {name: value if isinstance(value, list) else [value] for name, value in file.parameters.items()}
+    options = {name: value if isinstance(value, list) else [value] for name, value in file.options.items()}
+    return Experiment(path, store, keys, choices, file.egos, grid, file.samples, options)
+
+
+def _check_egos(path: Path, file: ExperimentFile) -> None:
+    egos = file.egos
+    if egos.names is not None and egos.drawn is not None:
+        raise _problem(path, ("egos", "drawn"), "there are 'names' already")
+    if egos.names is not None and not egos.names:
+        raise _problem(path, ("egos", "names"), "names nobody: no trial is left")
+    for name, ids in (egos.names if isinstance(egos.names, dict) else {}).items():
+        if name not in file.experiment.scenarios:
+            near = nearest(name, file.experiment.scenarios)
+            raise _problem(path, ("egos", "names", name), f"no scenario of this experiment{near}")
+        if not ids:
+            raise _problem(path, ("egos", "names", name), "names nobody: no trial is left")
+    both = set(file.parameters) & set(file.samples.parameters if file.samples else ())
+    for name in both:
+        raise _problem(path, ("samples", "parameters", name), "there is a grid of it already")
+
+
+def _choice(path: Path, file: ExperimentFile, k: int, name: str) -> Choice:
+    source, keys = path.parent / name, file.experiment
+    try:
+        is_ours = source.suffix == ".toml"
+        scenario = load_scenario_file(source).scenario if is_ours else load_scenario(source)
+        seeds = load_scenario_file(source).seeds if is_ours else (scenario.seed,)
+    except ReactiveError as error:
+        raise _problem(path, ("experiment", "scenarios", k), str(error)) from error
+    names = file.egos.names
+    egos = names.get(name, []) if isinstance(names, dict) else names or []
+    return Choice(name, scenario, tuple(egos), tuple(keys.seeds or seeds))
+
+
+def _problem(path: Path, keys: tuple[str | int, ...], message: str) -> ScenarioError:
+    line = line_of(text_of(path), keys)
+    return ScenarioError(f"{path}{f':{line}' if line else ''}: key '{'.'.join(map(str, keys))}': {message}")

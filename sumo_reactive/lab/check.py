@@ -1,0 +1,138 @@
+"""Scenario files as tests: the cases that they hold, one a seed, the verdict on each, and JUnit XML of all."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from pathlib import Path
+
+from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
+
+from sumo_reactive.driver.overrides import overrides
+from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.runner import run_all
+from sumo_reactive.lab.scenario import Expectation, Limit, Scenario, load_scenario_file
+from sumo_reactive.lab.task import Ending, Outcome, Task
+from sumo_reactive.writing import whole_file
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scenario with one seed, and what is expected of it."""
+
+    scenario: Scenario
+    expectation: Expectation
+
+    @property
+    def name(self) -> str:
+        """The file and the seed."""
+        return f"{self.scenario.source} seed {self.scenario.seed}"
+
+    @property
+    def replay(self) -> str:
+        """The command that runs the same trial again."""
+        return shlex.join(("sumo-reactive", "run", str(self.scenario.source), "--seed", str(self.scenario.seed)))
+
+    @property
+    def task(self) -> Task:
+        """What a process has to do for it."""
+        return Task(self.scenario, parameters={**self.scenario.parameters, **overrides()})
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of a case: why it was not met, line by line (empty: it was met)."""
+
+    case: Case
+    outcome: Outcome
+    reasons: tuple[str, ...]
+
+    @property
+    def is_met(self) -> bool:
+        """Whether everything that was expected came."""
+        return not self.reasons
+
+
+def cases_of(file: Path) -> list[Case]:
+    """Return the cases of a scenario file in the order of its seeds; raise ScenarioError for what cannot be run."""
+    scenario, seeds, expectation = load_scenario_file(file)
+    return [Case(replace(scenario, seed=seed), expectation) for seed in seeds]
+
+
+def run_cases(cases: Sequence[Case], jobs: int, wall_limit_s: float) -> Iterator[Verdict]:
+    """Run the cases in `jobs` processes and yield the verdicts in their order."""
+    outcomes = run_all([case.task for case in cases], jobs, wall_limit_s)
+    return (verdict_on(case, outcome) for case, outcome in zip(cases, outcomes, strict=True))
+
+
+def verdict_on(case: Case, outcome: Outcome) -> Verdict:
+    """Judge what became of a case."""
+    if outcome.ending is not Ending.DONE or outcome.result is None:
+        return Verdict(case, outcome, (f"{outcome.ending.value}: {outcome.reason}",))
+    return Verdict(case, outcome, unmet(case.expectation, outcome.result))
+
+
+Told = tuple[Verdict, str]
+"""A verdict, and all that is told about it (empty: it was met)."""
+
+_NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML cannot hold, such as the colours of a terminal."""
+
+
+def write_junit(path: Path, verdicts: Iterable[Told]) -> None:
+    """Write a suite a scenario file and a case a seed: what was not met is a failure, what did not end an error.
+
+    Raises OutputError if that cannot be done.
+    """
+    report = JUnitXml("sumo-reactive check")
+    for source, group in groupby(verdicts, key=lambda told: told[0].case.scenario.source):
+        suite = TestSuite(str(source))
+        for verdict, text in group:
+            suite.add_testcase(_case(verdict, text))
+        report.add_testsuite(suite)
+    with whole_file(path) as partial:
+        report.write(str(partial), pretty=True)
+
+
+def _case(verdict: Verdict, text: str) -> TestCase:
+    scenario, ending = verdict.case.scenario, verdict.outcome.ending
+    source = scenario.source.with_suffix("")
+    case = TestCase(f"seed {scenario.seed}", ".".join(source.relative_to(source.anchor).parts), verdict.outcome.wall_s)
+    if not verdict.is_met:
+        message = _NO_XML.sub("", "; ".join(verdict.reasons))
+        problem = Failure(message, "unmet") if ending is Ending.DONE else Error(message, ending.value)
+        problem.text = _NO_XML.sub("", text)
+        case.result = [problem]
+    return case
+
+
+def unmet(expectation: Expectation, result: TrialResult) -> tuple[str, ...]:
+    """Return a readable reason for everything that was expected and did not come."""
+    return tuple(_unmet(expectation, result))
+
+
+def _unmet(expectation: Expectation, result: TrialResult) -> Iterator[str]:
+    if expectation.arrived and not result.arrived:
+        yield f"did not arrive ({result.ended})"
+    if result.arrived and not expectation.arrived:
+        yield f"arrived at {result.end_s:.1f} s, expected not to"
+    faults = (("collisions", result.collisions), ("violations", result.violations))
+    for name, found in faults:
+        allowed = getattr(expectation, name)
+        if len(found) > allowed:
+            told = ", ".join(map(str, found))
+            yield f"{told}" if allowed == 0 else f"{len(found)} {name}, expected at most {allowed}: {told}"
+    metrics = result.metrics
+    for name, limit in expectation.metrics.items():
+        yield from _outside(name, metrics.get(name), limit)
+
+
+def _outside(name: str, value: float | None, limit: Limit) -> Iterator[str]:
+    """Yield what is wrong with a metric; a value that is missing lies beyond every measure (nobody ever came near)."""
+    if limit.max is not None and (value is None or value > limit.max):
+        yield f"{name} is {'none' if value is None else f'{value:g}'}, expected at most {limit.max:g}"
+    if limit.min is not None and value is not None and value < limit.min:
+        yield f"{name} is {value:g}, expected at least {limit.min:g}"

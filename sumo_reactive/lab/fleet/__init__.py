@@ -1,1 +1,0 @@
-"""Several egos in one simulation."""

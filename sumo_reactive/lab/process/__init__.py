@@ -1,1 +1,0 @@
-"""Trials in processes of their own: what is asked, what comes back, who runs it."""

@@ -1,0 +1,415 @@
+"""One simulation over n drivers: all command, SUMO steps, all look at what came of it, and judges look on.
+
+A trial is a simulation of one driver of this project, the baseline one of SUMO's own driver, which is only watched.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import hashlib
+import tempfile
+import time as clock
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import numba
+import numpy
+
+from sumo_reactive import __version__
+from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
+from sumo_reactive.lab.egos import EgoRule, find_ego
+from sumo_reactive.lab.metrics import Jury
+from sumo_reactive.lab.recorder import COLUMNS
+from sumo_reactive.lab.result import FleetResult, Override, TrialResult
+from sumo_reactive.lab.scenario import Scenario, require_parameters
+from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
+from sumo_reactive.lab.task import Driver, Task
+from sumo_reactive.lab.trace import entries
+from sumo_reactive.lab.trip import Trip
+from sumo_reactive.sumo.config import SumoConfig, read_config
+from sumo_reactive.sumo.devices import Equipment
+from sumo_reactive.sumo.ego import give_back
+from sumo_reactive.sumo.launch import chosen_step_length, passed_end, runnable_config, sumo_arguments
+from sumo_reactive.sumo.net_reader import NetFile, read_net
+from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
+from sumo_reactive.sumo.sensor import Sensor
+from sumo_reactive.sumo.session import Progress, Session, sumo_version
+
+_Seen = TypeVar("_Seen")
+SceneObserver = Callable[[Scene], None]
+Survey = Callable[[RoadGraph], None]
+
+FleetObserver = Callable[[str, Scene], None]
+"""Gets every ego's id and scene."""
+
+FleetSurvey = Callable[[str, RoadGraph], None]
+"""Gets an ego's id and each world that it has driven in, at the end of its trip."""
+
+SELDOM = 100_000
+"""Objects made and not freed until rubbish is looked for while egos drive."""
+
+
+class Started(NamedTuple):
+    """A simulation that runs: its configuration, what was overridden in it, simulation time at its begin (s)."""
+
+    session: Session
+    config: SumoConfig
+    overrides: tuple[Override, ...]
+    begin: float
+
+
+@contextlib.contextmanager
+def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[Started]:
+    """Start SUMO with the scenario, and `more_options` of its own; close it at the end.
+
+    Raises ScenarioError for what SUMO cannot run.
+    """
+    config = read_config(scenario.config)
+    step_length = chosen_step_length(config, scenario.step_length_s)
+    runnable, left_out = runnable_config(config)
+    options = (*scenario.sumo_options, *more_options)
+    arguments, changed = sumo_arguments(
+        config, runnable, seed=scenario.seed, step_length_s=step_length, sumo_options=options
+    )
+    with Session(arguments) as session:
+        yield Started(session, config, (*changed, *left_out), session.time)
+
+
+AnyTrip = Trip | WatchedTrip
+"""Whoever drives: each simulation step is preceded by a `command` and followed by a `scene`."""
+
+
+class Onlookers(NamedTuple):
+    """Who looks on: at every scene, at the worlds of a trip at its end, at simulation time (s) and a text."""
+
+    observer: FleetObserver | None = None
+    survey: FleetSurvey | None = None
+    progress: Progress | None = None
+
+
+class _Member(NamedTuple):
+    """A trip under way, the jury that watches it, how its ego was chosen, when it ends at the latest (s)."""
+
+    trip: AnyTrip
+    jury: Jury
+    chosen: str
+    until: float | None
+
+
+class Simulation:
+    """Drivers in a running simulation: one that is admitted, or all that a `rule` chooses as they depart.
+
+    `take_over` begins a trip. What the trips have come to is in `results`; `refused` are vehicles that could not be taken
+    over, and why, `cut_short` the egos whose trip the run's end has ended.
+    """
+
+    def __init__(
+        self, start: Started, scenario: Scenario, take_over: Callable[[str], AnyTrip], onlookers: Onlookers,
+        rule: EgoRule | None = None,
+    ) -> None:  # fmt: skip
+        self._start, self._session, self._scenario = start, start.session, scenario
+        self._take_over, self._onlookers, self._rule = take_over, onlookers, rule
+        self._equipment = Equipment(start.config) if rule else None
+        self._members: list[_Member] = []
+        self._until = scenario.latest_end
+        self._has_left, self._doing = False, ""
+        self.results: list[TrialResult] = []
+        self.refused: list[tuple[str, str]] = []
+        self.cut_short: set[str] = set()
+        self.ended = start.session.time
+        self.ego_steps, self.busy_s = 0, 0.0
+
+    def admit(self, vehicle_id: str, chosen: str) -> None:
+        """Take over a vehicle that has departed, chosen in the way told."""
+        trip = self._take_over(vehicle_id)
+        self._until = self._scenario.end_after(trip.departure)
+        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase, trip.judged_in)
+        self._members.append(_Member(trip, jury, chosen, self._until))
+
+    def run(self) -> None:
+        """Step until nobody is on the way or can still come; then play the scenario out if it asks for that."""
+        progress = self._onlookers.progress
+        with world_kept():
+            while self._goes_on():
+                self._step()
+                if progress is not None:
+                    progress(self._session.time, self._doing)
+        self.ended = self._session.time
+        if self._has_left:
+            self._session.step()
+        if self._scenario.until_end:
+            self._session.play_out(self._until, progress)
+
+    def _goes_on(self) -> bool:
+        if self._members or self._rule is None:
+            return bool(self._members)
+        can_come = self._rule.is_open or len(self.results) + len(self.refused) < len(self._rule.ids)
+        is_past = self._until is not None and self._session.time >= self._until
+        return can_come and not is_past and not self._session.is_over()
+
+    def _step(self) -> None:
+        """Let everybody command, simulate one step, look at what came of it, take over who has departed."""
+        began, self._has_left = clock.perf_counter(), False
+        for member in self._members:
+            member.trip.command()
+        before = clock.perf_counter()
+        self._session.step()
+        after = clock.perf_counter()
+        self.ego_steps += len(self._members)
+        self._members = [member for member in self._members if self._is_on_its_way(member)]
+        self.busy_s += clock.perf_counter() - after + before - began
+        if self._rule is not None:
+            self._choose(self._rule)
+            self._doing = f"{len(self._members)} egos on their way, {len(self.results)} have ended"
+
+    def _is_on_its_way(self, member: _Member) -> bool:
+        """Look at what came of a command; return whether the trip goes on."""
+        trip = member.trip
+        try:
+            if (scene := trip.scene()) is not None:
+                self._show(member, scene)
+        except SimulationError as error:
+            if self._rule is None:
+                raise
+            self._keep(member, str(error))  # SUMO has taken it off the road: the others drive on
+            return False
+        self._has_left = trip.arrive() or self._has_left
+        is_cut_short = member.until is not None and self._session.time >= member.until
+        if not (trip.arrived or is_cut_short or trip.stuck):
+            return True
+        self._keep(member, "arrived" if trip.arrived else f"until {member.until:g} s" if is_cut_short else trip.stuck)
+        if not trip.arrived:
+            self.cut_short |= {trip.id} if is_cut_short else set()
+            trip.release()
+        return False
+
+    def _show(self, member: _Member, scene: Scene) -> None:
+        if (graph := member.trip.judged_in) is not None:
+            member.jury.enter(graph)
+        member.jury.see(scene)
+        if self._onlookers.observer is not None:
+            self._onlookers.observer(member.trip.id, scene)
+        self._doing = scene.step.behaviour or "SUMO's own driver"
+
+    def _choose(self, rule: EgoRule) -> None:
+        """Take over who has departed and is chosen; who cannot be driven and is not named stays with SUMO's own driver."""
+        assert self._equipment is not None
+        for vehicle_id in () if self._session.is_past_end() else self._session.departed:
+            if not rule.chooses(vehicle_id, self._equipment, self._scenario.seed):
+                continue
+            is_named = vehicle_id in rule.ids
+            try:
+                self.admit(vehicle_id, "as named" if is_named else "by rule")
+            except (ScenarioError, NetworkError, PlanError) as error:
+                if is_named:
+                    raise
+                give_back(vehicle_id)
+                self.refused.append((vehicle_id, str(error)))
+
+    def _keep(self, member: _Member, ended: str) -> None:
+        """Judge a trip that has ended for the reason told."""
+        trip, jury, scenario, start = member.trip, member.jury, self._scenario, self._start
+        overrides = (*start.overrides, *passed_end(start.config, trip.end, scenario.sumo_options))
+        self.results.append(TrialResult(
+            scenario=str(scenario.source), ego=trip.id, chosen=member.chosen, seed=scenario.seed,
+            step_length_s=self._session.step_length, profile=trip.profile, arrived=trip.arrived, ended=ended,
+            begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
+            distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
+            collisions=jury.collisions, violations=jury.violations, hard_brakes=jury.hard_brakes, overrides=overrides,
+            versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
+        ))  # fmt: skip
+        if (survey := self._onlookers.survey) is not None:
+            for graph in trip.graphs:
+                survey(trip.id, graph)
+
+
+def run_trial(
+    scenario: Scenario,
+    *,
+    observer: SceneObserver | None = None,
+    progress: Progress | None = None,
+    survey: Survey | None = None,
+) -> TrialResult:
+    """Run the scenario in this process until the ego has arrived; return the judged result.
+
+    `observer` gets every scene, `progress` simulation time (s) and a text, `survey` the world of each route driven, at the
+    end. Raises ScenarioError or NetworkError for what cannot be run, SimulationError if SUMO fails on the way.
+    """
+    require_parameters(scenario)
+    net = read_net(read_config(scenario.config).net_file)
+    onlookers = Onlookers(_of_any(observer), _of_any(survey), progress)
+    with started(scenario) as start:
+        simulation = _alone(
+            start, scenario, onlookers,
+            lambda ego: Trip(start.session, ego, net, scenario, Sensor(scenario.obstacle_polygons)),
+        )  # fmt: skip
+        files = trip_files()
+    return _recounted(files, simulation.results)[0]
+
+
+def run_sumo_driver(
+    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
+) -> TrialResult:
+    """Run the scenario in this process with the ego in SUMO's hands until it has arrived; return the judged result.
+
+    SUMO is started as `run_trial` starts it. Departure, arrival, duration, distance and time loss are those of SUMO's
+    `tripinfo` of the ego. What only this project's driver has is None among the figures, and so is the right of way in a
+    network that cannot be read; one figure is added, how often SUMO has teleported the ego. Raises what `run_trial` raises.
+    """
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        options, trips = trip_output(scenario.sumo_options, Path(folder))
+        with started(scenario, options) as start:
+            session, net_file = start.session, start.config.net_file
+            onlookers = Onlookers(_of_any(observer), None, progress)
+            simulation = _alone(start, scenario, onlookers, lambda ego: WatchedTrip(session, ego, net_file))
+        return as_told(simulation.results[0], trips)
+
+
+def run_fleet(
+    scenario: Scenario,
+    rule: EgoRule,
+    *,
+    observer: FleetObserver | None = None,
+    progress: Progress | None = None,
+    survey: FleetSurvey | None = None,
+) -> FleetResult:
+    """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
+
+    Nobody is taken over after the scenario's end; who is under way then drives on, to `until_s` at the latest. Raises what
+    `run_trial` raises; a vehicle that is not named and cannot be taken over is no error.
+    """
+    require_parameters(scenario)
+    began = clock.perf_counter()
+    with started(scenario) as start:
+        worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
+        simulation = Simulation(
+            start, scenario, lambda ego: Trip(start.session, ego, worlds, scenario, sensor),
+            Onlookers(observer, survey, progress), rule,
+        )  # fmt: skip
+        simulation.run()
+        files = trip_files()
+        _require_egos(simulation, rule, scenario)
+    ordered = _recounted(files, sorted(simulation.results, key=lambda one: one.departure_s))
+    return FleetResult(
+        results=tuple(ordered),
+        refused=tuple(simulation.refused),
+        on_their_way=frozenset(simulation.cut_short),
+        until=simulation.ended,
+        step_us=1e6 * simulation.busy_s / max(simulation.ego_steps, 1),
+        wall_s=clock.perf_counter() - began,
+        overrides=(*start.overrides, *passed_end(start.config, simulation.ended, scenario.sumo_options)),
+    )
+
+
+def versions() -> dict[str, str]:
+    """Return what a trial's numbers depend on besides the scenario: this package, SUMO, the libraries it computes with."""
+    return {
+        "sumo_reactive": __version__,
+        "sumo": sumo_version(),
+        "numba": numba.__version__,
+        "numpy": numpy.__version__,
+    }
+
+
+class Worlds:
+    """Builds the world around routes like a `NetFile`, but gives one that it has built already where that holds a route.
+
+    What is computed once for a world (conflicts, lanes to watch, foreseen ways) is then computed once for all egos.
+    """
+
+    def __init__(self, net: NetFile) -> None:
+        self._net = net
+        self._routes: list[tuple[str, ...]] = []
+        self._held: set[tuple[str, ...]] = set()
+        self._graph: RoadGraph | None = None
+
+    def build(self, edges: Sequence[str]) -> RoadGraph:
+        """Return a world that holds a route of normal edges; raise NetworkError for an unknown edge."""
+        parts = {(edges[-1],), *pairwise(edges)}
+        if self._graph is None or not parts <= self._held:
+            graph = self._net.build(*self._routes, edges)
+            self._routes.append(tuple(edges))
+            self._held |= parts | {(edge,) for edge in edges}
+            self._graph = graph
+        return self._graph
+
+    def end_of(self, edge_id: str) -> str:
+        """Return the junction that a normal edge leads to."""
+        return self._net.end_of(edge_id)
+
+
+@contextlib.contextmanager
+def world_kept() -> Iterator[None]:
+    """Keep what has been built out of garbage collection, which would cost tens of milliseconds now and then.
+
+    Steps make no cycles, so that hardly anything is left to collect: it is looked for seldom.
+    """
+    before = gc.get_threshold()
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(SELDOM, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+        gc.unfreeze()
+
+
+def _alone(start: Started, scenario: Scenario, onlookers: Onlookers, take_over: Callable[[str], AnyTrip]) -> Simulation:
+    """Run the scenario with its one ego."""
+    ego, chosen = find_ego(start.session, scenario, start.config, onlookers.progress)
+    simulation = Simulation(start, scenario, take_over, onlookers)
+    simulation.admit(ego, chosen)
+    simulation.run()
+    return simulation
+
+
+def _of_any(look: Callable[[_Seen], None] | None) -> Callable[[str, _Seen], None] | None:
+    """Return what looks at one ego as what looks at any."""
+    return None if look is None else lambda _, seen: look(seen)
+
+
+def _recounted(files: TripFiles, results: Sequence[TrialResult]) -> list[TrialResult]:
+    """Put the egos' figures right in the outputs of a simulation that has ended; return the results with what that was."""
+    egos = {one.ego: Driven(one.duration_s, one.distance_m, one.stopped_s) for one in results}
+    found = put_right(files, egos)
+    return [replace(one, recounts=tuple(it for it in found if it.vehicle in ("", one.ego))) for one in results]
+
+
+def _require_egos(simulation: Simulation, rule: EgoRule, scenario: Scenario) -> None:
+    """Raise ScenarioError for a named ego that never came, or if there was none at all."""
+    driven, until = {result.ego for result in simulation.results}, f"before {simulation.ended:.1f} s, where the run ends"
+    for name in rule.ids:
+        if name not in driven:
+            raise ScenarioError(f"{scenario.source}: ego '{name}' never departs {until}")
+    if not simulation.results and not simulation.refused:
+        raise ScenarioError(f"{scenario.source}: no vehicle is chosen as an ego {until}")
+
+
+_FIELDS = [field for field in COLUMNS if field != "control_us"]
+
+
+def run_observed(task: Task) -> dict[str, Any]:
+    """Run a task in this process; return the fields that its `Outcome` takes from the trial."""
+    steps: list[StepRecord] = []
+
+    def see(scene: Scene) -> None:
+        steps.append(scene.step)
+
+    run = run_sumo_driver if task.driver is Driver.SUMO else run_trial
+    result = run(task.scenario, observer=see)
+    return {"result": result, "entries": tuple(entries(steps)), "trajectory": digest_of(steps)}
+
+
+def digest_of(steps: Iterable[StepRecord]) -> str:
+    """Return a digest of all that the steps hold as it is written to `trajectory.parquet`, but for wall-clock times."""
+    digest = hashlib.sha256()
+    for step in steps:
+        digest.update(repr([getattr(step, field) for field in _FIELDS]).encode())
+    return digest.hexdigest()

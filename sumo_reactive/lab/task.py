@@ -1,0 +1,77 @@
+"""What is asked of a process that runs trials, what comes back, and the command that runs a trial again."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+from sumo_reactive.driver.overrides import VARIABLE
+from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.trace import Entry
+
+
+class Driver(Enum):
+    """This project's controller, or SUMO's own driver (the baseline)."""
+
+    REACTIVE = "reactive"
+    SUMO = "sumo"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One trial: a scenario, who drives, and other values for constants of `parameters.py`."""
+
+    scenario: Scenario
+    driver: Driver = Driver.REACTIVE
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+
+class Ending(Enum):
+    """How a trial ended: judged, refused or failed in one line, by a crash, or over its limit of wall-clock time."""
+
+    DONE = "done"
+    FAILED = "failed"
+    CRASHED = "crashed"
+    TIMEOUT = "timeout"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a task. `reason` is empty when it is done; `entries` are the decisions of the reactive driver.
+
+    `trajectory` is a digest of every step but for its wall-clock time: equal trajectories, equal digests. `wall_s` counts
+    the trial alone.
+    """
+
+    task: Task
+    ending: Ending
+    result: TrialResult | None = None
+    reason: str = ""
+    entries: tuple[Entry, ...] = ()
+    trajectory: str = ""
+    wall_s: float = 0.0
+
+
+def replay_command(task: Task) -> str:
+    """Return the command line that repeats a task; for SUMO's own driver, the comparison that contains it."""
+    scenario = task.scenario
+    command = "run" if task.driver is Driver.REACTIVE else "compare"
+    words = ["sumo-reactive", command, str(scenario.source), *_options(scenario, command == "run")]
+    if scenario.sumo_options:
+        words += ["--", *scenario.sumo_options]
+    asked = f"{VARIABLE}={shlex.quote(json.dumps(dict(task.parameters), sort_keys=True))} " if task.parameters else ""
+    return asked + shlex.join(words)
+
+
+def _options(scenario: Scenario, is_run: bool) -> list[str]:
+    words = ["--ego", scenario.ego] if scenario.ego is not None else []
+    words += ["--seed", str(scenario.seed)]
+    if scenario.step_length_s is not None:
+        words += ["--step-length", f"{scenario.step_length_s:g}"]
+    if scenario.until_s is not None:
+        words += ["--until", f"{scenario.until_s:g}"]
+    return [*words, "--profile", scenario.profile.value, "--delays", scenario.delays.value] if is_run else words

@@ -1,1 +1,0 @@
-"""Scenario files as tests: found, run, judged, reported for CI systems."""
