@@ -10,14 +10,14 @@ from xml.etree import ElementTree
 
 import pytest
 import sumo
-from helpers.programs import ROOT, started, sumo_reactive
+from helpers.programs import ROOT, started_anew, sumo_reactive
 
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 SUMO = Path(sumo.SUMO_HOME) / "bin" / "sumo"
 
 
 def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tmp_path):
-    answer = started("compare", FOUR_WAY, "--ego", "ego", "--seed", "1-2", "--jobs", 2, "--out", "out", cwd=tmp_path)
+    answer = started_anew("compare", FOUR_WAY, "--ego", "ego", "--seed", "1-2", "--jobs", 2, "--out", "out", cwd=tmp_path)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "95 % interval" in answer.stdout and "other vehicles" in answer.stdout
     assert answer.stdout.endswith("2 of 2 pairs driven by both\n")

@@ -27,7 +27,7 @@ def sumo_reactive(*arguments, cwd=None, code="", timeout=280, more_environment=N
     return _forked("sumo_reactive", arguments, cwd, code, timeout, more_environment or {})
 
 
-def started(*arguments, cwd=None, timeout=280):
+def started_anew(*arguments, cwd=None, timeout=280):
     """Run the command line as a shell does, from the interpreter's start; return how it ended, with what it said."""
     command = [sys.executable, "-m", "sumo_reactive", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=timeout, cwd=cwd, check=False)
