@@ -24,7 +24,7 @@ def sumo_reactive(*arguments, cwd=None, code="", timeout=280, more_environment=N
 
     The process is forked from one that has loaded all modules: what happens while they are loaded is not seen.
     """
-    return _forked("sumo_reactive", arguments, cwd, code, timeout, more_environment or {})
+    return run_program("sumo_reactive", *arguments, cwd=cwd, code=code, timeout=timeout, more_environment=more_environment)
 
 
 def started_anew(*arguments, cwd=None, timeout=280):
@@ -33,10 +33,9 @@ def started_anew(*arguments, cwd=None, timeout=280):
     return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=timeout, cwd=cwd, check=False)
 
 
-def run_tool(name, *arguments, folder=TOOLS, timeout=280):
-    """Run a program of `tools/`, or its copy in `folder`; return how it ended, with what it said."""
-    command = [sys.executable, str(folder / f"{name}.py"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=timeout, check=False)
+def run_tool(name, *arguments, folder=TOOLS, code="", timeout=280):
+    """Run a program of `tools/`, or its copy in `folder`, as the command line; return how it ended, with what it said."""
+    return run_program(folder / f"{name}.py", *arguments, code=code, timeout=timeout)
 
 
 def numbers_in(line):
@@ -44,10 +43,11 @@ def numbers_in(line):
     return [float(word) for word in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])", line)]
 
 
-def _forked(program, arguments, cwd, code, timeout, more_environment):
+def run_program(program, *arguments, cwd=None, code="", timeout=280, more_environment=None):
+    """Run a file or a module in a forked process, after some code; return how it ended, with what it said."""
     order = {
-        "program": program, "arguments": [*map(str, arguments)], "folder": str(cwd or Path.cwd()), "code": code,
-        "environment": os.environ | more_environment,
+        "program": str(program), "arguments": [*map(str, arguments)], "folder": str(cwd or Path.cwd()), "code": code,
+        "environment": os.environ | (more_environment or {}),
     }  # fmt: skip
     server = _server()
     pipes = [os.pipe(), os.pipe()]
@@ -64,7 +64,7 @@ def _forked(program, arguments, cwd, code, timeout, more_environment):
     finally:
         for out, _ in pipes:
             os.close(out)
-    return subprocess.CompletedProcess([program, *order["arguments"]], int(server.recv(64)), *said)
+    return subprocess.CompletedProcess([order["program"], *order["arguments"]], int(server.recv(64)), *said)
 
 
 @cache
