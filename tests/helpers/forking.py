@@ -13,6 +13,7 @@ import threading
 import traceback
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 LONGEST_ORDER = 2**17
@@ -66,7 +67,7 @@ def run(program: str, arguments: list[str], folder: str, environment: dict[str, 
     try:
         exec(code, {"__name__": "before"})
         if is_file:
-            runpy.run_path(program, run_name="__main__")
+            _run_file(program)
         else:
             runpy.run_module(program, run_name="__main__", alter_sys=True)
     except SystemExit as end:
@@ -77,6 +78,13 @@ def run(program: str, arguments: list[str], folder: str, environment: dict[str, 
         traceback.print_exc()
         return 1
     return 0
+
+
+def _run_file(program: str) -> None:
+    """Run a file as the interpreter does: processes that it starts take what it defines from the module `__main__`."""
+    main = sys.modules["__main__"] = sys.modules["__mp_main__"] = ModuleType("__main__")
+    main.__file__ = program
+    exec(compile(Path(program).read_bytes(), program, "exec"), vars(main))
 
 
 def end(code: int) -> None:
