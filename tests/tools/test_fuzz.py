@@ -36,11 +36,12 @@ def test_every_spoilt_input_ends_in_one_line(folder):
 def test_the_fuzzer_notices_what_ends_wrongly(folder, fault, told):
     code = f"""
 import sumo_reactive.show.recording as one
+import sumo_reactive.show.reports as other
 def load(folder):
     {fault}
     from sumo_reactive.errors import ScenarioError
     raise ScenarioError("said")
-one.load = load
+one.load = other.load = load
 """
     answer = run_tool("fuzz", "--number", 1, "--keep", folder, "--kind", "record", code=code)
     assert answer.returncode == 1 and "1 of 1 ended wrongly" in answer.stdout
