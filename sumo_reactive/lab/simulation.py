@@ -351,7 +351,6 @@ def world_kept() -> Iterator[None]:
     Steps make no cycles, so that hardly anything is left to collect: it is looked for seldom.
     """
     before = gc.get_threshold()
-    gc.collect()
     gc.freeze()
     gc.set_threshold(SELDOM, *before[1:])
     try:
