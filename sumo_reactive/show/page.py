@@ -11,11 +11,12 @@ from string import Template
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.lab.comparison.statistics import Interval
 from sumo_reactive.lab.metric_names import EVERY
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
+
+    from sumo_reactive.lab.comparison.statistics import Interval
 
 _DIGITS = 4
 _NUMBER = r"(<strong>)?[+−-]?\d[\d.,e+-]*( … [+−-]?\d[\d.,e+-]*)?(</strong>)?"
