@@ -10,9 +10,8 @@ from plotly.graph_objects import Box, Figure, Scatter
 from sumo_reactive.show.batch_trials import StoredTrial, TripPair
 from sumo_reactive.show.page import DRIVER_COLOURS, DRIVER_NAMES, FRAME, PALETTE, SOFT, title_of
 
-SCATTER_HEIGHT = 520
-_BOX_PX, _AROUND_PX = 34, 160
-"""Height of a box, and of what is around all boxes of a figure, pixels."""
+_SCATTER_PX, _BOX_PX, _AROUND_PX = 520, 34, 160
+"""Height of a scatter, of a box, and of what is around all boxes of a figure, pixels."""
 
 _ROOM = 0.05
 """Share of the range left free at either end of a scatter's axes."""
@@ -71,7 +70,7 @@ def scatter_figure(pairs: Sequence[TripPair], metric: str, names: Mapping[str, s
                 hovertemplate="%{text}<br>SUMO's own %{x:.4~g}, this driver %{y:.4~g}<extra></extra>",
             )  # fmt: skip
             figure.add_trace(points)
-    figure.update_layout(**FRAME, height=SCATTER_HEIGHT, legend=_LEGEND)
+    figure.update_layout(**FRAME, height=_SCATTER_PX, legend=_LEGEND)
     axis = {"range": limits, "zeroline": False, "constrain": "domain"}
     figure.update_xaxes(title={"text": f"SUMO's own driver: {title_of(metric)}", "standoff": 8}, **axis)
     figure.update_yaxes(title=f"this driver: {title_of(metric)}", scaleanchor="x", **axis)

@@ -10,26 +10,11 @@ from pathlib import Path
 from sumo_reactive.lab.batch.stored_results import Mean, Results
 from sumo_reactive.lab.comparison.record import FEW
 from sumo_reactive.lab.comparison.statistics import paired_difference
-from sumo_reactive.show.batch_figures import SCATTER_HEIGHT, distribution_figure, scatter_figure
+from sumo_reactive.show import page as frame
+from sumo_reactive.show.batch_figures import distribution_figure, scatter_figure
 from sumo_reactive.show.batch_trials import StoredTrial, TripPair, Worst, happenings, pairs_of, trials_in, worst_of
 from sumo_reactive.show.faults import decision_table
-from sumo_reactive.show.page import (
-    DRIVER_NAMES,
-    Html,
-    Section,
-    code,
-    figure_html,
-    is_count,
-    limits,
-    link,
-    number,
-    page,
-    paragraph_of,
-    side_by_side,
-    signed,
-    table,
-    title_of,
-)  # fmt: skip
+from sumo_reactive.show.page import Html, Section
 
 _Names = Mapping[str, str]  # a short name for each scenario
 
@@ -63,7 +48,8 @@ def batch_page(store: Path) -> str:
         finished, planned = results.progress
     endings = Counter(trial.ending for trial in trials)
     how = ", ".join(f"{count} {ending}" for ending, count in endings.items())
-    return page(f"Batch {store.stem}", f"{finished} of {planned} trials finished{f': {how}' if how else ''}.", sections)
+    subtitle = f"{finished} of {planned} trials finished{f': {how}' if how else ''}."
+    return frame.page(f"Batch {store.stem}", subtitle, sections)
 
 
 def short_names(trials: Sequence[StoredTrial]) -> dict[str, str]:
@@ -78,19 +64,19 @@ def _means(results: Results, metrics: Sequence[str], names: _Names) -> Iterator[
     groups = results.groups(metrics)
     if groups:
         rows = [
-            (names[group.scenario], DRIVER_NAMES[group.driver], group.varied, f"{group.done} of {group.finished}",
+            (names[group.scenario], frame.DRIVER_NAMES[group.driver], group.varied, f"{group.done} of {group.finished}",
              *map(_mean_told, group.means))
             for group in groups
         ]  # fmt: skip
-        yield paragraph_of(_MEANS)
-        yield _without_empty(("scenario", "driver", "varied", "results", *map(title_of, metrics)), rows)
+        yield frame.paragraph_of(_MEANS)
+        yield _without_empty(("scenario", "driver", "varied", "results", *map(frame.title_of, metrics)), rows)
 
 
 def _mean_told(mean: Mean | None) -> Html:
     if mean is None:
         return Html('<span class="soft">none</span>')
-    interval = f'<br><span class="soft">{limits(mean.interval)}</span>' if mean.interval else ""
-    return Html(f'<div class="near">{number(mean.mean)}{interval}</div>')
+    interval = f'<br><span class="soft">{frame.limits(mean.interval)}</span>' if mean.interval else ""
+    return Html(f'<div class="near">{frame.number(mean.mean)}{interval}</div>')
 
 
 def differences_table(pairs: Sequence[TripPair], metrics: Sequence[str], names: _Names) -> Iterator[Html]:
@@ -101,13 +87,13 @@ def differences_table(pairs: Sequence[TripPair], metrics: Sequence[str], names: 
         for metric in metrics:
             found = paired_difference([values for pair in inside if (values := pair.of(metric)) is not None])
             if found is not None:
-                told = limits(found.interval, is_difference=True)
+                told = frame.limits(found.interval, is_difference=True)
                 shown = Html(f"<strong>{told}</strong>") if found.interval and not found.interval.holds_zero else told
-                means = number(found.first), number(found.second), signed(found.difference)
-                rows.append((names.get(scenario, "all"), varied, title_of(metric), str(found.n), *means, shown))
+                means = frame.number(found.first), frame.number(found.second), frame.signed(found.difference)
+                rows.append((names.get(scenario, "all"), varied, frame.title_of(metric), str(found.n), *means, shown))
     if rows:
         head = ("scenario", "varied", "figure", "pairs", "SUMO's own", "this driver", "difference", "95 % interval")
-        yield paragraph_of(_DIFFERENCES, _TOO_FEW if any(len(inside) < FEW for inside in groups.values()) else "")
+        yield frame.paragraph_of(_DIFFERENCES, _TOO_FEW if any(len(inside) < FEW for inside in groups.values()) else "")
         yield _without_empty(head, rows, is_long=True)
 
 
@@ -124,50 +110,51 @@ def pairs_by_group(pairs: Sequence[TripPair]) -> dict[tuple[str, str], list[Trip
 
 def _distributions(trials: Sequence[StoredTrial], metrics: Sequence[str], names: _Names) -> Iterator[Html]:
     values = {name: [trial.metrics[name] for trial in trials if name in trial.metrics] for name in metrics}
-    same = [f"{title_of(name)}: {number(found[0])}" for name, found in values.items() if len(set(found)) == 1]
+    same = [f"{frame.title_of(name)}: {frame.number(found[0])}" for name, found in values.items() if len(set(found)) == 1]
     differing = [name for name, found in values.items() if len(set(found)) > 1]
-    counts = [name for name in differing if is_count(name)]
+    counts = [name for name in differing if frame.is_count(name)]
     if same:
-        yield paragraph_of(f"The same in all trials: {'; '.join(same)}.")
+        yield frame.paragraph_of(f"The same in all trials: {'; '.join(same)}.")
     if counts:
-        yield paragraph_of(_COUNTS)
+        yield frame.paragraph_of(_COUNTS)
         yield _counts(trials, counts, names)
     figures = {name: distribution_figure(trials, name, names) for name in differing if name not in counts}
     if figures:
-        yield paragraph_of(_BOXES)
-        yield side_by_side(figure_html(one, f"of-{name}", int(one.layout.height)) for name, one in figures.items())
+        yield frame.paragraph_of(_BOXES)
+        yield frame.side_by_side(frame.figure_html(one, f"of-{name}") for name, one in figures.items())
 
 
 def _counts(trials: Sequence[StoredTrial], metrics: Sequence[str], names: _Names) -> Html:
     """Return in how many trials of each group a count had which value."""
     groups: dict[tuple[str, ...], dict[str, Counter[float]]] = {}
     for trial in trials:
-        group = names[trial.scenario], DRIVER_NAMES[trial.driver], trial.varied
+        group = names[trial.scenario], frame.DRIVER_NAMES[trial.driver], trial.varied
         counted = groups.setdefault(group, {name: Counter() for name in metrics})
         for name in set(metrics) & set(trial.metrics):
             counted[name][trial.metrics[name]] += 1
+    told = frame.number
     rows = [
-        (*group, *(", ".join(f"{number(value)} ({n})" for value, n in sorted(found.items())) for found in counted.values()))
+        (*group, *(", ".join(f"{told(value)} ({n})" for value, n in sorted(found.items())) for found in counted.values()))
         for group, counted in groups.items()
     ]
-    return _without_empty(("scenario", "driver", "varied", *map(title_of, metrics)), rows)
+    return _without_empty(("scenario", "driver", "varied", *map(frame.title_of, metrics)), rows)
 
 
 def _scatters(pairs: Sequence[TripPair], metrics: Sequence[str], names: _Names) -> Iterator[Html]:
-    shown = [name for name in metrics if not is_count(name) and any(pair.of(name) for pair in pairs)]
+    shown = [name for name in metrics if not frame.is_count(name) and any(pair.of(name) for pair in pairs)]
     if shown:
-        yield paragraph_of(_SCATTER)
+        yield frame.paragraph_of(_SCATTER)
         figures = {name: scatter_figure(pairs, name, names) for name in shown}
-        yield side_by_side(figure_html(one, f"pair-{name}", SCATTER_HEIGHT) for name, one in figures.items())
+        yield frame.side_by_side(frame.figure_html(one, f"pair-{name}") for name, one in figures.items())
 
 
 def _worst(worst: Sequence[Worst], names: _Names) -> Iterator[Html]:
     """Yield a row for each of the worst trials: what is wrong, and the command that replays it."""
-    yield paragraph_of(_WORST if worst else _NO_WORST)
+    yield frame.paragraph_of(_WORST if worst else _NO_WORST)
     if worst:
         rows = [
-            (link(f"#{_anchor(trial)}", names[trial.scenario]), trial.ego or "own ego", str(trial.seed),
-             DRIVER_NAMES[trial.driver], trial.varied, why, code(trial.replay))
+            (frame.link(f"#{_anchor(trial)}", names[trial.scenario]), trial.ego or "own ego", str(trial.seed),
+             frame.DRIVER_NAMES[trial.driver], trial.varied, why, frame.code(trial.replay))
             for trial, why in worst
         ]  # fmt: skip
         head = ("scenario", "ego", "seed", "driver", "varied", "what is wrong", "command that replays it")
@@ -178,9 +165,9 @@ def _story(worst: Worst, results: Results) -> Iterator[Html]:
     """Yield what happened in a trial: every decision and every fault."""
     trial = worst.trial
     entries, faults = happenings(results, trial.key)
-    named = ", ".join(filter(None, (trial.name, DRIVER_NAMES[trial.driver], trial.varied)))
+    named = ", ".join(filter(None, (trial.name, frame.DRIVER_NAMES[trial.driver], trial.varied)))
     yield Html(f'<h3 id="{_anchor(trial)}">{escape(named)}</h3>')
-    yield paragraph_of(worst.why, ": ", code(trial.replay), " (", link("#worst", "back"), ")")
+    yield frame.paragraph_of(worst.why, ": ", frame.code(trial.replay), " (", frame.link("#worst", "back"), ")")
     if entries or faults:
         yield decision_table(entries, faults)
 
@@ -192,4 +179,4 @@ def _anchor(trial: StoredTrial) -> str:
 def _without_empty(head: Sequence[str], rows: Sequence[Sequence[str]], *, is_long: bool = False) -> Html:
     """Return a table without the columns in which no row says anything."""
     kept = [k for k in range(len(head)) if any(row[k] for row in rows)]
-    return table([head[k] for k in kept], [[row[k] for k in kept] for row in rows], is_long=is_long)
+    return frame.table([head[k] for k in kept], [[row[k] for k in kept] for row in rows], is_long=is_long)

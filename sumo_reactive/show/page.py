@@ -120,13 +120,12 @@ def code(text: str) -> Html:
     return Html(f"<code>{escape(text)}</code>")
 
 
-def figure_html(figure: Figure, name: str, height: int) -> Html:
-    """Return a figure of `height` pixels under an id of its own; the library is the page's."""
+def figure_html(figure: Figure, name: str) -> Html:
+    """Return a figure, as high as its layout says, under an id of its own; the library is the page's."""
     from plotly.io import to_html
 
-    drawn = to_html(
-        figure, config=_CONFIG, include_plotlyjs=False, full_html=False, default_height=f"{height}px", div_id=f"plot-{name}"
-    )
+    height, div = f"{int(figure.layout.height)}px", f"plot-{name}"
+    drawn = to_html(figure, config=_CONFIG, include_plotlyjs=False, full_html=False, default_height=height, div_id=div)
     return Html(f'<div class="plot">{drawn}</div>')
 
 

@@ -16,25 +16,14 @@ from sumo_reactive.lab.ego_folders import FLEET, folders_in
 from sumo_reactive.lab.json_file import Keys, Number, read_json
 from sumo_reactive.lab.recorder import PAGE
 from sumo_reactive.lab.result import Fault
+from sumo_reactive.show import page as frame
 from sumo_reactive.show.batch_page import batch_page
 from sumo_reactive.show.explain import footer
 from sumo_reactive.show.faults import decision_table, fault_sentence, faults_in
-from sumo_reactive.show.page import (
-    Html,
-    Section,
-    code,
-    figure_html,
-    link,
-    number,
-    page,
-    paragraph_of,
-    side_by_side,
-    table,
-    title_of,
-)
+from sumo_reactive.show.page import Html, Section
 from sumo_reactive.show.recording import Recording, load
 from sumo_reactive.show.run_map import MAP_NAME, buttons_of, map_figure, roads_of, views_of
-from sumo_reactive.show.run_timeline import TIMELINE_HEIGHT, BehaviourSpan, Steps, read_steps, spans_of, timeline_figure
+from sumo_reactive.show.run_timeline import BehaviourSpan, Steps, read_steps, spans_of, timeline_figure
 
 _FROM_WHERE = "A path is that of the record, and begins in the folder where the run was started."
 _READING = (
@@ -88,13 +77,13 @@ def run_page(recording: Recording) -> str:
     sections = (
         Section("figures", "Figures", list(_figures(recording, faults))),
         Section("map", "On the map", list(_map(recording, steps, spans, faults))),
-        Section("time", "Over time", [paragraph_of(_READING), figure_html(timeline, "time", TIMELINE_HEIGHT)]),
-        Section("decisions", "Decisions", [paragraph_of(footer(summary["figures"])), told]),
+        Section("time", "Over time", [frame.paragraph_of(_READING), frame.figure_html(timeline, "time")]),
+        Section("decisions", "Decisions", [frame.paragraph_of(footer(summary["figures"])), told]),
     )
     departs, ends, verdict = summary.get("departure_s"), summary.get("end_s"), summary["verdict"]
     when = f", from {departs:.1f} to {ends:.1f} s" if departs is not None and ends is not None else ""
     subtitle = f"{verdict[0].upper()}{verdict[1:]}; seed {summary.get('seed')}{when}."
-    return page(f"{summary['ego']} in {summary['scenario']}", subtitle, sections)
+    return frame.page(f"{summary['ego']} in {summary['scenario']}", subtitle, sections)
 
 
 def fleet_page(folder: Path, target: Path) -> str:
@@ -103,28 +92,29 @@ def fleet_page(folder: Path, target: Path) -> str:
     egos = [one.model_dump() for one in fleet.egos]
     rows = [_row(one, folder / own, target) for one, own in zip(egos, folders_in(folder / FLEET), strict=True)]
     left = [(one.vehicle, one.reason) for one in fleet.refused]
-    listed = table(("ego", "verdict", *map(title_of, _FLEET_METRICS), "its page"), rows)
+    listed = frame.table(("ego", "verdict", *map(frame.title_of, _FLEET_METRICS), "its page"), rows)
     sections = (
-        Section("egos", "Egos", [paragraph_of(_LINKED), listed]),
-        Section("refused", "Not driven", [table(("vehicle", "reason"), left)] if left else []),
+        Section("egos", "Egos", [frame.paragraph_of(_LINKED), listed]),
+        Section("refused", "Not driven", [frame.table(("vehicle", "reason"), left)] if left else []),
     )
     clean = sum(one["verdict"].startswith("arrived without") for one in egos)
-    return page(f"{len(egos)} egos", f"{clean} of {len(egos)} arrived without a violation.", sections, is_drawn=False)
+    return frame.page(f"{len(egos)} egos", f"{clean} of {len(egos)} arrived without a violation.", sections, is_drawn=False)
 
 
 def _row(one: Mapping[str, Any], own: Path, target: Path) -> tuple[str, ...]:
     way = quote(Path(os.path.relpath(own / PAGE, target.absolute().parent)).as_posix())
-    shown = link(way, "page") if (own / PAGE).is_file() else code(shlex.join(["sumo-reactive", "report", str(own)]))
-    return one["ego"], one["verdict"], *(number(one.get(name)) for name in _FLEET_METRICS), shown
+    command = shlex.join(["sumo-reactive", "report", str(own)])
+    shown = frame.link(way, "page") if (own / PAGE).is_file() else frame.code(command)
+    return one["ego"], one["verdict"], *(frame.number(one.get(name)) for name in _FLEET_METRICS), shown
 
 
 def _figures(recording: Recording, faults: Sequence[Fault]) -> Iterator[Html]:
     for fault in faults:
-        yield paragraph_of(fault_sentence(fault, recording.entries), kind="bad")
+        yield frame.paragraph_of(fault_sentence(fault, recording.entries), kind="bad")
     values = {name: recording.summary.get(name) for name in _TRIP} | dict(recording.summary["figures"])
-    rows = [(title_of(name), number(value)) for name, value in values.items() if not name.startswith("events_")]
+    rows = [(frame.title_of(name), frame.number(value)) for name, value in values.items() if not name.startswith("events_")]
     half = (len(rows) + 1) // 2
-    yield side_by_side(table(("figure", "value"), part) for part in (rows[:half], rows[half:]))
+    yield frame.side_by_side(frame.table(("figure", "value"), part) for part in (rows[:half], rows[half:]))
 
 
 def _map(
@@ -132,7 +122,7 @@ def _map(
 ) -> Iterator[Html]:
     roads = roads_of(recording, steps)
     if roads.missing:
-        yield paragraph_of(f"Drawn without the roads: {roads.missing}. {_FROM_WHERE}")
+        yield frame.paragraph_of(f"Drawn without the roads: {roads.missing}. {_FROM_WHERE}")
     yield buttons_of(views_of(steps, spans))
     figure = map_figure(roads, recording.regions, steps, spans, recording.entries, faults)
-    yield figure_html(figure, MAP_NAME, int(figure.layout.height))
+    yield frame.figure_html(figure, MAP_NAME)

@@ -17,9 +17,6 @@ from sumo_reactive.show.faults import fault_hover, hover_of
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, FAULT, FRAME, SOFT, STOP
 from sumo_reactive.show.recording import Recording, columns_of
 
-TIMELINE_HEIGHT = 980
-"""Of the figure, pixels."""
-
 _NEEDED = (
     "time_s", "x_m", "y_m", "speed_m_s", "lane_id", "s_m", "desired_speed_m_s", "stop_m", "u", "u1", "u2", "u3", "leader",
     "gap_m", "behaviour", "emergency",
@@ -27,6 +24,7 @@ _NEEDED = (
 _DECIMALS = 4
 """Enough for a picture; the record has the rest."""
 
+_HEIGHT_PX = 980
 _TRACK, _SPEED, _AHEAD, _POTENTIALS = 1, 2, 3, 4
 _TITLES = {_SPEED: "speed (m/s)", _AHEAD: "way ahead (m)", _POTENTIALS: "potential (–)"}
 _SHARES = [0.2, 0.26, 0.24, 0.3]
@@ -151,7 +149,7 @@ def _add_line(
 def _lay_out(figure: Figure, steps: Steps, present: set[Behaviour]) -> None:
     order = [one.value for one in Behaviour if one in present]
     frame = FRAME | {"margin": FRAME["margin"] | {"l": 190, "t": 35}}
-    figure.update_layout(**frame, height=TIMELINE_HEIGHT, hovermode="x unified", barmode="overlay")
+    figure.update_layout(**frame, height=_HEIGHT_PX, hovermode="x unified", barmode="overlay")
     figure.update_yaxes(categoryorder="array", categoryarray=order[::-1], row=_TRACK, col=1, showgrid=False)
     figure.update_xaxes(range=[steps.times[0], steps.times[-1]], showgrid=True, zeroline=False)
     figure.update_xaxes(title={"text": "simulation time (s)", "standoff": 8}, row=_POTENTIALS, col=1)
