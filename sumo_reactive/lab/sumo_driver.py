@@ -22,12 +22,12 @@ from sumo_reactive.lab.result import Override, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.start import Started, started
 from sumo_reactive.lab.trial import find_ego, versions
+from sumo_reactive.sumo.config import given_options
 from sumo_reactive.sumo.launch import passed_end
 from sumo_reactive.sumo.net_reader import NetFile, read_net
-from sumo_reactive.sumo.option_names import given_options
+from sumo_reactive.sumo.observed_vehicle import ObservedVehicle, VehicleScene
 from sumo_reactive.sumo.outputs import AS_READ, TripInfo, trip_of
 from sumo_reactive.sumo.session import Progress
-from sumo_reactive.sumo.spectator import Spectator, View
 
 Observer = Callable[[Scene], None]
 
@@ -113,7 +113,7 @@ class _World:
 class _Watch:
     """What has been seen of a trip; times by SUMO's clock, s."""
 
-    spectator: Spectator
+    spectator: ObservedVehicle
     jury: Jury
     world: _World
     chosen: str
@@ -128,7 +128,7 @@ def _watched(start: Started, scenario: Scenario, observer: Observer | None, prog
     """Judge the ego from its departure until it has arrived, stands (or is gone) too long, or the run ends."""
     session = start.session
     ego, chosen = find_ego(session, scenario, start.config, progress)
-    spectator = Spectator(ego, JUDGED_REACH_M)
+    spectator = ObservedVehicle(ego, JUDGED_REACH_M)
     limits = spectator.limits
     jury = Jury(limits.length, limits.width, limits.wheelbase)
     world = _World(start.config.net_file, jury)
@@ -152,7 +152,7 @@ def _watched(start: Started, scenario: Scenario, observer: Observer | None, prog
     return watch
 
 
-def _why_ended(spectator: Spectator, time: float, until: float | None, standing: float) -> str:
+def _why_ended(spectator: ObservedVehicle, time: float, until: float | None, standing: float) -> str:
     """Return why the trip is over; empty: it is not."""
     if spectator.arrived:
         return "arrived"
@@ -161,7 +161,7 @@ def _why_ended(spectator: Spectator, time: float, until: float | None, standing:
     return f"stood still for {STUCK_S:g} s" if standing >= STUCK_S else ""
 
 
-def _scene(view: View, time: float, headings: deque[tuple[float, float]], limits: VehicleLimits) -> Scene:
+def _scene(view: VehicleScene, time: float, headings: deque[tuple[float, float]], limits: VehicleLimits) -> Scene:
     """Return the step of a car without wheels to steer: with the steering angle that its mean yaw rate would take."""
     own = view.own
     headings.append((time, own.heading))

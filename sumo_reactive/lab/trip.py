@@ -28,17 +28,14 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import PlanError
 from sumo_reactive.lab.rerouting import WayRound, way_round
 from sumo_reactive.sumo.ego import Ego
-from sumo_reactive.sumo.ghosts import Ghosts
 from sumo_reactive.sumo.net_reader import WorldSource
-from sumo_reactive.sumo.observer import Observer
-from sumo_reactive.sumo.overlooked import overlooked
-from sumo_reactive.sumo.route_window import RouteWindow
-from sumo_reactive.sumo.sensor import Sensor
+from sumo_reactive.sumo.observed_vehicle import Bystanders
+from sumo_reactive.sumo.observer import EgoObserver
+from sumo_reactive.sumo.routes import RouteWindow, unmapped_lanes
+from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.spectator import Bystanders
-from sumo_reactive.sumo.stop_lines import StopLines
-from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, haunt, left_behind
-from sumo_reactive.sumo.units import front_of
+from sumo_reactive.sumo.stand_ins import Occupant, OccupiedLane, StandIns, ahead_of_mapping, left_behind, occupied_lane
+from sumo_reactive.sumo.vehicle_type import front_of
 
 SELDOM = 100_000
 """Objects made and not freed until rubbish is looked for while egos drive."""
@@ -77,9 +74,9 @@ class Trip:
         self.graphs = [graph]
         self._choice = choose_lanes(graph, self._route, self.ego.vehicle_class)
         self._controller = Controller(graph, self.ego.limits, profile, delays, self.ego.vehicle_class)
-        self._observer = Observer(ego_id, sensor)
-        self._ghosts = Ghosts(ego_id), Ghosts(ego_id, ".turning")
-        self._overlooked = overlooked(graph, self._route.edges)
+        self._observer = EgoObserver(ego_id, sensor)
+        self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
+        self._unmapped = unmapped_lanes(graph, self._route.edges)
         self._window = RouteWindow(ego_id, self._route.edges, net.end_of)
         self._way_round: tuple[tuple[int, str], WayRound | None] = ((-1, ""), None)
         state = self.ego.take_over(session.step_length)
@@ -178,33 +175,34 @@ class Trip:
         return drive.s + self.ego.limits.front_overhang
 
     def _place(self, step: Step) -> None:
-        """Put the ego, and its ghost when it changes lanes, where the next simulation step shall end."""
+        """Put the ego, and its stand-in when it changes lanes, where the next simulation step shall end."""
         drive, graph = step.drive, self._controller.graph
         here = _segment(drive.plan, self._front(drive))
         self._window.follow(here.route_index)
         lane = graph.lanes[here.lane_id] if drive.plan.aside is None else None
-        self.ego.place(drive.ego, step.completed.intent, self.step_length, lane, here.lane_id in self._overlooked)
+        self.ego.place(drive.ego, step.completed.intent, self.step_length, lane, here.lane_id in self._unmapped)
         self.ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
-        self._show(*self._haunts(step, here))
+        self._show(*self._occupied(step, here))
 
-    def _haunts(self, step: Step, here: LaneSegment) -> tuple[Haunt | None, Haunt | None]:
+    def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
         """Return where to show the ego besides; in a turn in several moves at two places."""
-        drive, graph, edges, limits = step.drive, self.graph, self._route.edges, self.ego.limits
+        drive, edges = step.drive, self._route.edges
+        by = Occupant(self.graph, drive.plan, here, drive.ego, self.ego.limits)
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
-            behind = left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.from_index :])
-            return behind, ahead_of_mapping(graph, turn, drive.ego, limits, edges[turn.route_index :])
+            behind = left_behind(by, turn, edges[turn.from_index :])
+            return behind, ahead_of_mapping(by, turn, edges[turn.route_index :])
         stop = step.completed.stop.s if step.completed.stop else math.inf
-        return haunt(graph, drive.plan, here, drive.ego, drive.s, limits, edges[here.route_index :], stop), None
+        return occupied_lane(by, drive.s, edges[here.route_index :], stop), None
 
-    def _show(self, *haunts: Haunt | None) -> None:
-        for ghosts, place in zip(self._ghosts, haunts, strict=True):
-            ghosts.appear(place)
+    def _show(self, *places: OccupiedLane | None) -> None:
+        for stand_ins, place in zip(self._stand_ins, places, strict=True):
+            stand_ins.appear(place)
 
     @property
     def ghosts_made(self) -> int:
         """How many stand-ins the trip has taken."""
-        return sum(ghosts.made for ghosts in self._ghosts)
+        return sum(one.made for one in self._stand_ins)
 
     def _planned(self, step: Step) -> Drive:
         """Return the drive, on a new plan where the pilot asks for one, C runs out or the ego has left it."""
@@ -251,7 +249,7 @@ class Trip:
         self._route, self._choice, self._way_round = way.route, way.choice, ((-1, ""), None)
         self._controller = replace(self._controller, graph=way.graph)
         self.graphs.append(way.graph)
-        self._overlooked = overlooked(way.graph, way.route.edges)
+        self._unmapped = unmapped_lanes(way.graph, way.route.edges)
         self._window = RouteWindow(self.ego.id, way.route.edges, self._net.end_of, number=len(self.graphs))
         memory = drive.memory._replace(waiting_since=None, escapes=0, progress_time=self._session.time)
         new_plan = replace(self._plan(start), missed=way.missed)

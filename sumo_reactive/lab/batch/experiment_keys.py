@@ -14,7 +14,7 @@ from sumo_reactive.errors import ParameterError
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.process.driver import Driver
 from sumo_reactive.lab.toml_file import nearest, problem_at
-from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
+from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 
 OURS = ("seed", "step-length")
 """SUMO options that the experiment names in keys of their own."""

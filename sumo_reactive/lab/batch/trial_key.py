@@ -14,9 +14,8 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.process.task import Task
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.trial import versions
-from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.config import INPUT_FILES, OUTPUT_FILES, read_config
 from sumo_reactive.sumo.input_files import inputs_of, words_of
-from sumo_reactive.sumo.option_names import INPUT_FILES, OUTPUT_FILES
 
 _ROOMS_APART = ("cli", "show")
 """Rooms that no number depends on."""
