@@ -13,7 +13,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.net_reader import WorldSource
-from sumo_reactive.sumo.routes import quickest_rerouting
+from sumo_reactive.sumo.routes import quickest_way
 
 
 class WayRound(NamedTuple):
@@ -44,7 +44,7 @@ def way_round(
         return None
     missed = route.edges[index + 1]
     onward = [c.to_lane for c in graph.outgoing.get(lane.id, ()) if graph.lanes[c.to_lane].allows(choice.vehicle_class)]
-    way = quickest_rerouting(ego_id, (edge for edge in map(edge_id_of, onward) if edge != missed), goals)
+    way = quickest_way(ego_id, (edge for edge in map(edge_id_of, onward) if edge != missed), goals)
     if not way:
         return None
     new = Route((lane.edge_id, *way), route.arrival_position, route.arrival_lane, stops)

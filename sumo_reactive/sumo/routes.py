@@ -31,7 +31,7 @@ def _beside_the_first(graph: RoadGraph, before: str, behind: str) -> list[str]:
     return [part for way in ways[1:] for part in way if graph.lanes[part].edge_id not in known]
 
 
-def quickest_rerouting(vehicle_id: str, firsts: Iterable[str], goals: Sequence[str]) -> tuple[str, ...]:
+def quickest_way(vehicle_id: str, firsts: Iterable[str], goals: Sequence[str]) -> tuple[str, ...]:
     """Return the edges of the quickest way from one of the edges `firsts` by all `goals` in order; empty: there is none."""
     ways = [way for first in dict.fromkeys(firsts) if (way := _through(vehicle_id, (first, *goals)))]
     return min(ways, key=lambda way: way[1], default=((), 0.0))[0]
