@@ -37,12 +37,9 @@ OUTCOMES: dict[Outcome, str] = {
 }
 
 BEHAVIOURS: dict[Behaviour, str] = {
-    Behaviour.NORMAL: "Normal driving",
-    Behaviour.CAUTIOUS: "Cautious driving",
-    Behaviour.OVERTAKING: "Overtaking",
-    Behaviour.STOPPING: "Stopping at a location",
-    Behaviour.CROSSING: "Crossing the intersection",
-}
+    Behaviour.NORMAL: "Normal driving", Behaviour.CAUTIOUS: "Cautious driving", Behaviour.OVERTAKING: "Overtaking",
+    Behaviour.STOPPING: "Stopping at a location", Behaviour.CROSSING: "Crossing the intersection",
+}  # fmt: skip
 
 ENDINGS: dict[tuple[Behaviour, Behaviour], str] = {
     **{(Behaviour.OVERTAKING, after): "The ego is back on C" for after in Behaviour if after is not Behaviour.OVERTAKING},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import tempfile
@@ -66,17 +67,13 @@ def _arrival_in(state: Path, vehicle_id: str) -> tuple[float | None, int | None]
     with state.open(encoding="utf-8", errors="replace") as lines:
         tag = next((line for line in lines if start in line), "")
     found = dict(_ATTRIBUTE.findall(tag))
-    position, lane = _number(found.get("arrivalPos", "")), _number(found.get("arrivalLane", ""))
-    if position is None:  # "random": SUMO has drawn it
-        position = _number(found.get("arrivalPosRandomized", ""))
+    values: dict[str, float] = {}
+    for name, text in found.items():
+        with contextlib.suppress(ValueError):
+            values[name] = float(text)
+    lane = values.get("arrivalLane")
+    position = values.get("arrivalPos", values.get("arrivalPosRandomized"))  # "random": SUMO has drawn it
     return position, None if lane is None else int(lane)
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
 
 
 NOT_ROAD_CARS = frozenset(
