@@ -15,7 +15,7 @@ from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Int
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
-from sumo_reactive.lab.metrics import Jury
+from sumo_reactive.lab.metrics.jury import Jury
 
 
 @pytest.fixture

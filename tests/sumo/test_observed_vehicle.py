@@ -5,8 +5,8 @@ import pytest
 from net_recipes import CROSS_NODES, converted, cross_edges
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.sumo.spectator import Bystanders, Spectator
-from sumo_reactive.sumo.units import heading_of
+from sumo_reactive.sumo.observed_vehicle import Bystanders, ObservedVehicle
+from sumo_reactive.sumo.vehicle_type import heading_of
 
 TYPE = '<vType id="t" length="4.4" width="1.7" sigma="0" speedDev="0"/>'
 
@@ -22,7 +22,7 @@ def test_the_vehicle_and_those_within_reach_are_seen_where_sumo_has_them(net, tm
     cars = "".join(vehicle(name, way, type="t", departPos=at, departSpeed=5) for name, way, at in places)
     with running(net, tmp_path, TYPE + cars):
         simulated()
-        spectator = Spectator("ego", 110.0)
+        spectator = ObservedVehicle("ego", 110.0)
         simulated()
         view = spectator.look()
         assert view is not None and [one.id for one in view.others] == ["near"]
@@ -41,7 +41,7 @@ def test_a_trip_is_seen_to_its_end_with_the_way_that_is_left_and_the_line_that_i
     with running(net, tmp_path, TYPE + vehicle("ego", "wc ce", type="t", departPos=100, departSpeed=10)):
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
         simulated()
-        spectator, ways, crossed = Spectator("ego", 80.0), [], []
+        spectator, ways, crossed = ObservedVehicle("ego", 80.0), [], []
         for _ in range(600):
             simulated()
             view = spectator.look()
@@ -68,7 +68,7 @@ def test_who_walks_over_a_crossing_near_is_seen_there_and_nowhere_else(tmp_path,
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
         simulated()
         libsumo.vehicle.setSpeed("ego", 0.0)
-        spectator, lanes = Spectator("ego", reach), set()
+        spectator, lanes = ObservedVehicle("ego", reach), set()
         for _ in range(150):
             simulated()
             view = spectator.look()
@@ -97,7 +97,7 @@ def test_who_is_on_a_bridge_above_is_not_near(tmp_path):
     with running(net, tmp_path, slow + cars):
         simulated(5)
         assert len(libsumo.vehicle.getIDList()) == 5
-        spectator, bystanders = Spectator("ego", 70.0), Bystanders("behind")
+        spectator, bystanders = ObservedVehicle("ego", 70.0), Bystanders("behind")
         simulated()
         view = spectator.look()
         assert view is not None

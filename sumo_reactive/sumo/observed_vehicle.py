@@ -12,13 +12,12 @@ from libsumo import constants as tc
 
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.net_file import edge_id_of
-from sumo_reactive.sumo.stop_lines import StopLines, read_signals
-from sumo_reactive.sumo.units import heading_of
-from sumo_reactive.sumo.vehicle_type import limits_of
+from sumo_reactive.sumo.sensor import StopLines, read_signals
+from sumo_reactive.sumo.stand_ins import is_stand_in
+from sumo_reactive.sumo.vehicle_type import heading_of, limits_of
 
-BESIDE_M = 40.0
+TOUCHING_M = 40.0
 """Bodies whose fronts are farther apart do not touch: two long ones, rear to rear."""
 
 SAME_LEVEL_M = 3.0
@@ -32,7 +31,7 @@ _SEEN = (
 )  # fmt: skip
 
 
-class View(NamedTuple):
+class VehicleScene(NamedTuple):
     """The vehicle and the others near it after a step, and the letters of a light whose stop line it crosses (`Scene`)."""
 
     own: RoadUser
@@ -40,7 +39,7 @@ class View(NamedTuple):
     crossed: str
 
 
-class Spectator:
+class ObservedVehicle:
     """Sees a running vehicle, and all vehicles, and pedestrians on crossings, within `reach` m of it; the simulation goes on
     unchanged."""
 
@@ -55,7 +54,7 @@ class Spectator:
         self._routes: dict[str, tuple[str, tuple[str, ...]]] = {}
         _subscribe(vehicle_id, reach)
 
-    def look(self) -> View | None:
+    def look(self) -> VehicleScene | None:
         """Return what there is to see after a step; None while SUMO has the vehicle off the road, or it has arrived."""
         self.arrived = self.arrived or self.id in libsumo.simulation.getArrivedIDList()
         self.teleports += self.id in libsumo.simulation.getStartingTeleportIDList()
@@ -64,7 +63,7 @@ class Spectator:
             return None
         users = {name: _user(name, values, self._route(name, values)) for name, values in seen.items()}
         own = users.pop(self.id)
-        return View(own, (*users.values(), *self._persons(own)), self._stop_lines.crossed(own.lane_id))
+        return VehicleScene(own, (*users.values(), *self._persons(own)), self._stop_lines.crossed(own.lane_id))
 
     def _route(self, name: str, seen: Mapping[int, Any]) -> tuple[str, ...]:
         """Return the edges that a vehicle has still to drive, its present one first; inside a junction the next one."""
@@ -97,13 +96,13 @@ class Bystanders:
     def __init__(self, vehicle_id: str) -> None:
         self._vehicle_id = vehicle_id
         self._junctions: dict[str, frozenset[str]] = {}
-        _subscribe(vehicle_id, BESIDE_M)
+        _subscribe(vehicle_id, TOUCHING_M)
 
     def look(self) -> tuple[RoadUser, ...]:
         """Return them after a step."""
         seen = _seen_from(self._vehicle_id)
         here = self._ends_of(seen[self._vehicle_id][tc.VAR_LANE_ID]) if seen else frozenset()
-        others = (_user(name, one) for name, one in seen.items() if name != self._vehicle_id and not is_ghost(name))
+        others = (_user(name, one) for name, one in seen.items() if name != self._vehicle_id and not is_stand_in(name))
         return tuple(user for user in others if not here or not (there := self._ends_of(user.lane_id)) or here & there)
 
     def _ends_of(self, lane_id: str) -> frozenset[str]:
@@ -116,7 +115,7 @@ class Bystanders:
 
     def leave(self) -> None:
         """Look no more: SUMO fails in the next step if a vehicle that is watched is taken off the road from outside."""
-        libsumo.vehicle.unsubscribeContext(self._vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, BESIDE_M)
+        libsumo.vehicle.unsubscribeContext(self._vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, TOUCHING_M)
 
 
 def _subscribe(vehicle_id: str, reach: float) -> None:

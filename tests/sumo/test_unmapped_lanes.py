@@ -3,7 +3,7 @@
 from net_recipes import converted
 
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.overlooked import overlooked
+from sumo_reactive.sumo.routes import unmapped_lanes
 
 NODES = (
     '<nodes><node id="a" x="0" y="0"/><node id="b" x="100" y="0"/>'
@@ -22,8 +22,8 @@ def test_where_two_lanes_fork_to_both_sides_one_way_of_each_pair_is_overlooked(t
     rules.write_text(f"<connections>{links}</connections>")
     graph = read_net(converted(tmp_path, NODES, EDGES, "-x", str(rules))).build(("ab", "bc"))
     to_c = {part for lane in ("ab_0", "ab_1") for c in graph.outgoing[lane] if c.to_lane[:2] == "bc" for part in c.parts}
-    assert len(overlooked(graph, ("ab", "bc"))) == 1
-    assert overlooked(graph, ("ab", "bc")) < to_c
+    assert len(unmapped_lanes(graph, ("ab", "bc"))) == 1
+    assert unmapped_lanes(graph, ("ab", "bc")) < to_c
 
 
 def test_on_edges_that_one_way_joins_or_none_nothing_is_overlooked(tmp_path):
@@ -31,4 +31,4 @@ def test_on_edges_that_one_way_joins_or_none_nothing_is_overlooked(tmp_path):
     joined = [c for lane in graph.edge_lanes["ab"] for c in graph.outgoing[lane.id] if c.to_lane.startswith("bc")]
     assert joined
     for edges in (("bc", "bd"), ("ab", "nowhere"), ("ab",)):
-        assert overlooked(graph, edges) == frozenset()
+        assert unmapped_lanes(graph, edges) == frozenset()

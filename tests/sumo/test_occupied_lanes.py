@@ -2,9 +2,11 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from net_recipes import converted
+from occupants import ahead, behind, cut_in_bend, in_change, occupied
 
 from sumo_reactive.driver.nouns.plan import Aside, Turnaround
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
@@ -13,7 +15,6 @@ from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.straddling import ahead_of_mapping, cut_lane, haunt, lane_to_haunt, left_behind
 
 CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
 BUS = VehicleLimits(12.0, 2.5, 7.2, 2.16, 25.0, 1.2, 2.5, 4.5, 7.0, 0.8, 1.0, 4.0, 3.0)
@@ -31,7 +32,7 @@ def test_a_bus_is_shown_on_the_inner_lane_of_a_turn_that_it_takes_on_the_outer(t
     seen = {}
     for s in range(int(found.curve.length) - 10):
         here = next(g for g in found.segments if s < g.end)
-        lane = cut_lane(graph, found, here, float(s), 5.0, limits)
+        lane = cut_in_bend(graph, found, here, float(s), 5.0, limits)
         seen[lane.id if lane else None] = s
     assert set(seen) == shown
     assert limits is CAR or math.isclose(seen[None], int(found.curve.length) - 11)
@@ -47,7 +48,7 @@ def test_an_ego_whose_front_has_swung_out_is_shown_where_sumo_does_not_map_it(tm
     heading, reach = -0.5, BUS.front_to_rear_axle
     pose = Pose(x - reach * math.cos(heading), y + aside - reach * math.sin(heading), heading)
     here = next(g for g in found.segments if g.lane_id == "ab_1")
-    seen = haunt(graph, found, here, VehicleState(pose, 2.0, 0.0), 0.0, BUS, ("ab", "bc"))
+    seen = occupied(graph, found, here, VehicleState(pose, 2.0, 0.0), 0.0, BUS, ("ab", "bc"))
     assert seen is not None
     assert (seen.lane.id, seen.speed, seen.edges) == (shown, 2.0, ("ab", "bc"))
 
@@ -90,20 +91,20 @@ def test_an_ego_that_changes_lanes_is_shown_on_the_lane_that_sumo_does_not_map_i
     found, change = change_to_the_left(road)
     middle = 0.5 * (change.start + change.end)
     for lane_id in ("ab_0", "ab_1"):  # whichever of both C is said to follow there
-        lane = lane_to_haunt(road, found, lane_id, 60.0, y, middle, CAR)
+        lane = in_change(road, found, SimpleNamespace(lane_id=lane_id), 60.0, y, middle, CAR)
         assert lane is not None and lane.id == shown
 
 
 def test_before_a_change_and_long_after_it_the_ego_is_shown_nowhere_else(road):
     found, change = change_to_the_left(road)
-    assert lane_to_haunt(road, found, "ab_0", 60.0, -4.8, change.start - 0.1, CAR) is None
-    assert lane_to_haunt(road, found, "ab_1", 60.0, -1.6, change.end + CAR.length + 0.1, CAR) is None
+    assert in_change(road, found, SimpleNamespace(lane_id="ab_0"), 60.0, -4.8, change.start - 0.1, CAR) is None
+    assert in_change(road, found, SimpleNamespace(lane_id="ab_1"), 60.0, -1.6, change.end + CAR.length + 0.1, CAR) is None
 
 
 @pytest.mark.parametrize(("y", "shown"), [(-2.7, "ab_0"), (-1.6, None)])
 def test_after_a_change_the_old_lane_sees_the_ego_until_its_body_has_left_it(road, y, shown):
     found, change = change_to_the_left(road)
-    lane = lane_to_haunt(road, found, "ab_1", 60.0, y, change.end + 1.0, CAR)
+    lane = in_change(road, found, SimpleNamespace(lane_id="ab_1"), 60.0, y, change.end + 1.0, CAR)
     assert (lane.id if lane else None) == shown
 
 
@@ -111,7 +112,7 @@ def test_while_it_changes_lanes_the_ego_is_shown_at_its_speed(road):
     found, change = change_to_the_left(road)
     ego = car_with_front_at(60.0, -3.4)
     here = next(g for g in found.segments if g.lane_id == "ab_0")
-    seen = haunt(road, found, here, ego, 0.5 * (change.start + change.end), CAR, ("ab",))
+    seen = occupied(road, found, here, ego, 0.5 * (change.start + change.end), CAR, ("ab",))
     assert seen is not None
     assert (seen.lane.id, seen.x, seen.y, seen.speed, seen.edges, seen.waits) == (
         "ab_1", pytest.approx(60.0), pytest.approx(-3.4), 5.0, ("ab",), False,
@@ -120,7 +121,7 @@ def test_while_it_changes_lanes_the_ego_is_shown_at_its_speed(road):
 
 def test_an_ego_in_the_middle_of_its_lane_is_shown_nowhere_else(road):
     found, here = planned(road, "ab_1", 50.0)
-    assert haunt(road, found, here, car_with_front_at(60.0, -1.6), 10.0, CAR, ("ab",)) is None
+    assert occupied(road, found, here, car_with_front_at(60.0, -1.6), 10.0, CAR, ("ab",)) is None
 
 
 def passing(graph, lane_id, lateral):
@@ -132,7 +133,7 @@ def passing(graph, lane_id, lateral):
 @pytest.mark.parametrize(("y", "shown"), [(-1.6, None), (0.2, "ba_0"), (1.5, "ba_0")])
 def test_over_the_oncoming_lane_the_ego_is_shown_as_one_that_stands_where_its_rear_is(road, y, shown):
     found, here = passing(road, "ab_1", 3.0)
-    seen = haunt(road, found, here, car_with_front_at(60.0, y), 10.0, CAR, ("ab",))
+    seen = occupied(road, found, here, car_with_front_at(60.0, y), 10.0, CAR, ("ab",))
     if shown is None:
         assert seen is None
         return
@@ -144,10 +145,10 @@ def test_over_the_oncoming_lane_the_ego_is_shown_as_one_that_stands_where_its_re
 @pytest.mark.parametrize(("y", "shown"), [(-4.2, "ab_1"), (-2.6, "ab_0")])
 def test_over_a_lane_of_its_own_road_the_ego_is_shown_driving_on_the_one_that_sumo_does_not_map_it_to(road, y, shown):
     found, here = passing(road, "ab_0", 2.0)
-    seen = haunt(road, found, here, car_with_front_at(60.0, y), 10.0, CAR, ("ab",))
+    seen = occupied(road, found, here, car_with_front_at(60.0, y), 10.0, CAR, ("ab",))
     if y < -4.0:
         assert seen is None  # it does not yet cover the lane beside
-        seen = haunt(road, found, here, car_with_front_at(60.0, y + 0.8), 10.0, CAR, ("ab",))
+        seen = occupied(road, found, here, car_with_front_at(60.0, y + 0.8), 10.0, CAR, ("ab",))
     assert seen is not None
     assert (seen.lane.id, seen.x, seen.speed, seen.edges) == (shown, pytest.approx(60.0), 5.0, ("ab",))
 
@@ -163,7 +164,7 @@ def turning_round(graph):
 def test_an_ego_that_has_begun_to_turn_round_is_shown_where_it_began(road, y, heading, is_shown):
     found, _ = planned(road, "ab_1", 250.0)
     turn = turning_round(road)
-    seen = left_behind(road, found, turn, car_with_front_at(290.0, y, heading), CAR, ("ab", "ba"))
+    seen = behind(road, found, turn, car_with_front_at(290.0, y, heading), CAR, ("ab", "ba"))
     assert (seen is not None) is is_shown
     if seen is not None:
         place = found.curve.at(turn.start - STOP_LINE_MARGIN_M)
@@ -173,7 +174,7 @@ def test_an_ego_that_has_begun_to_turn_round_is_shown_where_it_began(road, y, he
 @pytest.mark.parametrize(("y", "is_shown"), [(-1.0, True), (-0.1, True), (0.1, False), (1.6, False)])
 def test_an_ego_that_turns_round_is_shown_on_the_lane_it_turns_into_while_sumo_maps_it_to_the_old_one(road, y, is_shown):
     ego = car_with_front_at(280.0, y, 0.5 * math.pi)
-    seen = ahead_of_mapping(road, turning_round(road), ego, CAR, ("ba",))
+    seen = ahead(road, turning_round(road), ego, CAR, ("ba",))
     assert (seen is not None) is is_shown
     if seen is not None:
         assert (seen.lane.id, seen.speed, seen.edges) == ("ba_0", 0.0, ("ba",))
@@ -183,6 +184,6 @@ def test_an_ego_that_turns_round_is_shown_on_the_lane_it_turns_into_while_sumo_m
 def test_who_turns_round_is_shown_ahead_of_whatever_of_its_body_is_farthest_back(road):
     """Turned half round its bumper is ahead, by the oncoming lane, of its rear, which lies towards b."""
     ego = car_with_front_at(280.0, -0.5, 0.75 * math.pi)
-    seen = ahead_of_mapping(road, turning_round(road), ego, CAR, ("ba",))
+    seen = ahead(road, turning_round(road), ego, CAR, ("ba",))
     rear = 280.0 + CAR.length * math.cos(0.25 * math.pi)
     assert seen is not None and seen.x == pytest.approx(rear - CAR.length, abs=1e-6)

@@ -9,10 +9,9 @@ import pytest
 from net_recipes import converted
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.sumo.ghosts import Ghosts, is_ghost
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.outputs import read_trips
-from sumo_reactive.sumo.straddling import Haunt
+from sumo_reactive.sumo.stand_ins import OccupiedLane, StandIns, is_stand_in
 
 NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="500" y="0"/></nodes>'
 EDGES = '<edges><edge id="ab" from="a" to="b" numLanes="2" speed="13.9"/></edges>'
@@ -21,11 +20,11 @@ ROUTES = """<routes><vType id="scattered" speedFactor="normc(1,0.1,0.2,2)"/>
 
 SHOW = """
 import sys, libsumo
-from sumo_reactive.sumo.ghosts import Ghosts
+from sumo_reactive.sumo.stand_ins import StandIns
 from sumo_reactive.sumo.net_reader import read_net
 libsumo.start(["sumo", "-n", sys.argv[1], "-r", sys.argv[2], "--no-step-log"])
 libsumo.simulationStep()
-ghosts = Ghosts("ego")
+ghosts = StandIns("ego")
 lane = read_net(__import__("pathlib").Path(sys.argv[1])).lane("ab_1")
 for _ in range(2):
     ghosts.show(lane, 60.0, -4.8, 20.0, ("ab",))
@@ -50,13 +49,13 @@ def haunted(folder, *options, others="", label=""):
     content = '<vType id="plain" speedDev="0" sigma="0"/>' + vehicle("ego", "ab", type="plain", departPos=50, departLane=0)
     with running(net, folder, content + others, *options, step=1.0):
         simulated()
-        yield Ghosts("ego", label), read_net(net).lane("ab_1")
+        yield StandIns("ego", label), read_net(net).lane("ab_1")
 
 
 def present() -> dict[str, str]:
     """The lane of each ghost on the road."""
     vehicle = libsumo.vehicle
-    return {name: vehicle.getLaneID(name) for name in vehicle.getIDList() if is_ghost(name)}
+    return {name: vehicle.getLaneID(name) for name in vehicle.getIDList() if is_stand_in(name)}
 
 
 def test_a_ghost_is_beside_the_ego_as_fast_as_it_and_in_the_middle_of_the_lane(tmp_path):
@@ -73,7 +72,7 @@ def test_a_ghost_is_beside_the_ego_as_fast_as_it_and_in_the_middle_of_the_lane(t
 
 def test_a_ghost_that_is_not_needed_is_gone(tmp_path):
     with haunted(tmp_path) as (ghosts, lane):
-        ghosts.appear(Haunt(lane, 60.0, -4.0, 5.0, ("ab",)))
+        ghosts.appear(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
         simulated()
         assert len(present()) == 1
         ghosts.appear(None)
@@ -81,7 +80,7 @@ def test_a_ghost_that_is_not_needed_is_gone(tmp_path):
         assert present() == {}
         ghosts.hide()
         simulated()
-        ghosts.appear(Haunt(lane, 80.0, -4.0, 5.0, ("ab",)))
+        ghosts.appear(OccupiedLane(lane, 80.0, -4.0, 5.0, ("ab",)))
         simulated()
         assert (list(present()), ghosts.made) == (["reactive.ghost.ego.2"], 2)
 
@@ -137,7 +136,7 @@ def test_a_ghost_comes_to_the_next_road_as_a_new_one(tmp_path):
     net = converted(tmp_path, nodes, edges)
     with running(net, tmp_path, vehicle("ego", "ab bc", departPos=50), step=1.0):
         simulated()
-        ghosts, network = Ghosts("ego"), read_net(net)
+        ghosts, network = StandIns("ego"), read_net(net)
         for name, x, way in (("ab_1", 490.0, ("ab",)), ("bc_1", 510.0, ("bc",))):
             ghosts.show(network.lane(name), x, -1.6, 5.0, way)
             simulated()
