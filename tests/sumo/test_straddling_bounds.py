@@ -4,8 +4,10 @@ import math
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Cut
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
@@ -128,10 +130,10 @@ def test_of_several_changes_the_one_under_way_counts(road):
     [
         ("ab_1", 2.0, -0.85, 0.0, None),  # it covers less than a decimetre of ba_0
         ("ab_1", 2.0, -0.75, 0.0, ("ba_0", 55.3, -0.75)),
-        ("ab_1", 2.0, 1.0, 0.3, ("ba_0", 60.0 - 4.7 * math.cos(0.3), 1.0 - 4.7 * math.sin(0.3))),
+        ("ab_1", 0.1, 1.0, 0.3, ("ba_0", 60.0 - 4.7 * math.cos(0.3), 1.0 - 4.7 * math.sin(0.3))),
         ("ab_1", -2.0, -2.35, 0.0, None),
         ("ab_1", -2.0, -2.45, 0.0, ("ab_0", 60.0, -2.45)),
-        ("ab_1", -2.0, -3.3, 0.3, ("ab_1", 60.0, -3.3)),
+        ("ab_1", -0.1, -3.3, 0.3, ("ab_1", 60.0, -3.3)),
         ("ab_0", 2.0, -3.3, 0.3, ("ab_1", 60.0, -3.3)),
         ("ab_0", 2.0, -3.1, 0.0, ("ab_0", 60.0, -3.1)),
         ("ab_0", -2.0, 1.0, 0.0, ("ba_0", 55.3, 1.0)),  # beside the outer lane there is but the oncoming one
@@ -194,6 +196,16 @@ def test_an_ego_is_left_behind_once_its_front_or_its_heading_leaves_the_lane(roa
     plan = SimpleNamespace(curve=SimpleNamespace(at=lambda s: (s, -1.5, 0.0)))
     seen = left_behind(road, plan, TURN, ego_at(290.0, y, heading), CAR, EDGES)
     assert seen == (Haunt(road.lanes["ab_1"], pytest.approx(39.3), -1.5, 0.0, EDGES) if is_shown else None)
+
+
+@pytest.mark.parametrize(("heading", "is_shown"), [(0.8, False), (1.1, False), (0.5, False), (1.13, True), (0.47, True)])
+def test_whether_an_ego_has_turned_is_told_from_its_lanes_direction(heading, is_shown):
+    """A lane to the north-east, which begins to the east."""
+    bent = Polyline(np.array([(0.0, 0.0), (10.0, 0.0), (10.0 + 50.0 * math.cos(0.8), 50.0 * math.sin(0.8))]))
+    graph = SimpleNamespace(lanes={"ab_1": SimpleNamespace(id="ab_1", spine=bent)})
+    plan = SimpleNamespace(curve=SimpleNamespace(at=lambda s: (s, 0.0, 0.0)))
+    seen = left_behind(graph, plan, TURN, ego_at(*bent.at(50.0), heading), CAR, EDGES)
+    assert (seen is not None) is is_shown
 
 
 @pytest.mark.parametrize(
