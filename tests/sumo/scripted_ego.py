@@ -7,7 +7,7 @@ from scripted import Domain, script
 
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.sumo.ego import Ego
-from sumo_reactive.sumo.units import pose_of
+from sumo_reactive.sumo.vehicle_type import pose_of
 
 TYPE = {
     "getVehicleClass": "passenger", "getLength": 4.0, "getWidth": 1.8, "getDecel": 4.5, "getEmergencyDecel": 9.0,

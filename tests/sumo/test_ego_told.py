@@ -14,7 +14,9 @@ from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.units import FREE_EXACT, INVALID, KEEP_ROUTE_EXACT, front_of
+from sumo_reactive.sumo.vehicle_type import FREE_EXACT, KEEP_ROUTE_EXACT, front_of
+
+INVALID = -1073741824.0
 
 
 @pytest.fixture

@@ -7,10 +7,8 @@ from net_recipes import MINIMAL
 from sumo_reactive.driver.world.junction import Control, LightLink, Turn
 from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.sumo.net_file import edge_id_of, parse
-from sumo_reactive.sumo.net_lanes import coordinates, heights_of, permitted
-from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.net_upstream import NetUpstream
+from sumo_reactive.sumo.net_file import coordinates, edge_id_of, heights_of, parse, permitted
+from sumo_reactive.sumo.net_reader import NetUpstream, read_net
 
 STRAIGHT = 'via=":j_0_0" dir="s" state="M"'
 """The way from w to e."""

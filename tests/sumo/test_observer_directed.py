@@ -11,7 +11,7 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
 from sumo_reactive.driver.parameters import LANES_REFRESH_M
 from sumo_reactive.sumo import observer as room
-from sumo_reactive.sumo.observer import Observer
+from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane
 
 BENT = Polyline(np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)]))
@@ -75,7 +75,7 @@ def world(monkeypatch):
 
 def test_all_that_matters_is_told_with_the_time_and_without_the_ego_itself(world):
     eyes = Eyes()
-    traffic = Observer("ego", eyes).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
+    traffic = EgoObserver("ego", eyes).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
     assert (traffic.time, traffic.sight, traffic.lights) == (7.5, 90.0, {"s": "s:G", "t": "t:G"})
     assert [one.id for one in traffic.users] == ["a", "b", "on :c_c0_0", "stone"]
     assert [one.id for one in traffic.beside] == ["before :c_c0_0"]
@@ -88,7 +88,7 @@ def test_where_nothing_is_in_sight_nothing_is_told(world):
     world.seen |= {"lanes": (), "passages": ()}
     eyes = Eyes()
     eyes.static = SimpleNamespace(users=(), outlines=(), parked={}, changes=0)
-    traffic = Observer("ego", eyes).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
+    traffic = EgoObserver("ego", eyes).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
     assert ([one.id for one in traffic.users], traffic.beside, traffic.lights) == (["a", "b"], (), {})
     assert traffic.static is NO_POINTS
 
@@ -96,7 +96,7 @@ def test_where_nothing_is_in_sight_nothing_is_told(world):
 def test_what_stands_is_looked_for_about_the_front_and_an_ego_that_is_parked_is_no_obstacle_to_itself(world):
     eyes = Eyes()
     eyes.static.parked = {"ego": np.array([(12.0, 0.0)]), "x": np.array([(13.0, 0.0)])}
-    observe = Observer("ego", eyes).observe
+    observe = EgoObserver("ego", eyes).observe
     assert observe(world.graph, world.plan, 12.0, 8.0, 90.0).static.tolist() == [[50.0, 0.0], [13.0, 0.0]]
     assert observe(world.graph, world.plan, 100.0, 8.0, 90.0).static.tolist() == [[50.0, 0.0]]
 
@@ -114,7 +114,7 @@ def test_what_stands_is_looked_for_about_the_front_and_an_ego_that_is_parked_is_
     ],
 )
 def test_the_look_goes_elsewhere_with_another_plan_or_sight_and_every_few_metres(world, change, is_anew):
-    observer = Observer("ego", Eyes())
+    observer = EgoObserver("ego", Eyes())
     first = {"plan": world.plan, "front": LANES_REFRESH_M + 0.1, "speed": 8.0, "sight": 90.0}
     observer.observe(world.graph, *first.values())
     world.asked.clear()
@@ -127,7 +127,7 @@ def test_the_look_goes_elsewhere_with_another_plan_or_sight_and_every_few_metres
 
 def test_even_the_first_metres_of_a_plan_are_looked_at(world):
     eyes = Eyes()
-    Observer("ego", eyes).observe(world.graph, world.plan, 0.0, 0.0, 0.0)
+    EgoObserver("ego", eyes).observe(world.graph, world.plan, 0.0, 0.0, 0.0)
     assert eyes.asked[-1] == ("a_0", ":c_0_0")
 
 

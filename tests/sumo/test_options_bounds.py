@@ -5,9 +5,8 @@ import pytest
 from scripted import Domain, script
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.config import is_true, paths_beside, read_config, seconds_of
+from sumo_reactive.sumo.config import canonical, given_options, is_true, paths_beside, read_config, seconds_of
 from sumo_reactive.sumo.devices import HAS_DEVICE, PROBABILITY, Equipment
-from sumo_reactive.sumo.option_names import canonical, given_options
 from sumo_reactive.sumo.outputs import Contact, read_contacts, read_teleports, read_trips, trip_of
 
 
@@ -155,7 +154,7 @@ def test_a_type_is_asked_once_and_only_where_any_file_speaks_of_equipment(tmp_pa
         (f'<flow id="a">{param("x", PROBABILITY)}</flow>', f": flow 'a': {PROBABILITY} is 'x', {NO_SHARE}"),
         (f'<flow id="a">{param("-0.1", PROBABILITY)}</flow>', f": flow 'a': {PROBABILITY} is '-0.1', {NO_SHARE}"),
         (f'<flow id="a">{param("1.1", PROBABILITY)}</flow>', f": flow 'a': {PROBABILITY} is '1.1', {NO_SHARE}"),
-        (f'\n<flow id="{HAS_DEVICE}">\n', ":3: not XML: mismatched tag"),
+        (f'\n<flow id="{HAS_DEVICE}">\n', ":3: not XML: mismatched tag at column 2"),
     ],
 )  # fmt: skip
 def test_what_files_say_wrongly_is_told_whole(tmp_path, monkeypatch, routes, complaint):

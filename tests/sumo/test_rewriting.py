@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from sumo_reactive.sumo.rewriting import rewrite_lines
+from sumo_reactive.sumo.recount import rewrite_lines
 
 TEXT = b'<?xml version="1.0"?>\r\n<a b="\xff\xc3\xa4"/>\n<c/>'
 """Both kinds of line ends, bytes that are no UTF-8, no end of the last line."""

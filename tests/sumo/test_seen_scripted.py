@@ -10,8 +10,8 @@ from scripted import Domain, script
 
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STANDING_SPEED, STEPPING_ON_M
+from sumo_reactive.sumo.observed_vehicle import SAME_LEVEL_M, TOUCHING_M, Bystanders, ObservedVehicle
 from sumo_reactive.sumo.sensor import ROUTE_AHEAD, SeenCrossing, SeenLane, Sensor
-from sumo_reactive.sumo.spectator import BESIDE_M, SAME_LEVEL_M, Bystanders, Spectator
 
 NORTH, EAST = 0.5 * math.pi, 0.0
 LANE = SeenLane("a_0", "a", 1.5, False)
@@ -199,7 +199,7 @@ def body(length, width):
 def test_a_spectator_sees_all_that_is_subscribed_on_its_level(monkeypatch):
     seen = {"ego": values(z=5.0), "x": values(3.0, 4.0, 5.0 + SAME_LEVEL_M - 0.1, ":j_0_0", 90.0)}
     watched(monkeypatch, seen | {"up": values(z=5.0 + SAME_LEVEL_M), "down": values(z=5.0 - SAME_LEVEL_M)})
-    spectator = Spectator("ego", 70.0)
+    spectator = ObservedVehicle("ego", 70.0)
     wanted = [
         tc.VAR_POSITION3D,
         tc.VAR_ANGLE,
@@ -221,7 +221,7 @@ def test_a_spectator_sees_all_that_is_subscribed_on_its_level(monkeypatch):
 def test_a_way_is_asked_for_once_on_each_edge(monkeypatch):
     seen = {"ego": values(), "x": values()}
     asked = watched(monkeypatch, seen)
-    spectator, counts = Spectator("ego", 70.0), []
+    spectator, counts = ObservedVehicle("ego", 70.0), []
     for lane in ("a_0", "a_1", "b_0", ":j_0_0"):
         seen["x"] = values(lane=lane)
         asked.clear()
@@ -233,7 +233,7 @@ def test_a_way_is_asked_for_once_on_each_edge(monkeypatch):
 def test_off_the_road_there_is_nothing_to_see_and_teleports_and_the_arrival_are_counted(monkeypatch):
     seen, ended, teleporting = {"ego": values()}, [], ["other"]
     watched(monkeypatch, seen, None, ended, teleporting)
-    spectator, told = Spectator("ego", 70.0), []
+    spectator, told = ObservedVehicle("ego", 70.0), []
     for step in range(5):
         teleporting[:] = ["other", "ego"] if step in (1, 2) else ["other"]
         ended[:] = ["ego"] if step == 3 else ["other"]
@@ -261,7 +261,7 @@ def walker(x, y, road=":c_c0"):
 )
 def test_people_are_seen_on_crossings_within_reach(monkeypatch, x, y, road, is_seen):
     watched(monkeypatch, {"ego": values(10.0, 20.0)}, {"far": walker(500.0, 0.0), "p": walker(x, y, road)})
-    found = Spectator("ego", 70.0).look().others
+    found = ObservedVehicle("ego", 70.0).look().others
     assert [one[:7] for one in found] == ([("p", x, y, EAST, 1.25, f"{road}_0", 3.0)] if is_seen else [])
     assert [one.body for one in found] == ([(*body(0.25, 0.5), True)] if is_seen else [])
 
@@ -286,4 +286,4 @@ def test_bystanders_are_those_on_roads_that_a_junction_joins_and_on_none(monkeyp
     bystanders.leave()
     libsumo.vehicle.answers["getContextSubscriptionResults"] = {"ego": {}}
     assert bystanders.look() == ()
-    assert libsumo.vehicle.told[-1] == ("unsubscribeContext", "ego", tc.CMD_GET_VEHICLE_VARIABLE, BESIDE_M)
+    assert libsumo.vehicle.told[-1] == ("unsubscribeContext", "ego", tc.CMD_GET_VEHICLE_VARIABLE, TOUCHING_M)

@@ -6,7 +6,7 @@ import libsumo
 import pytest
 from scripted import Domain, script
 
-from sumo_reactive.sumo.trips import arrival_of
+from sumo_reactive.sumo.vehicle_type import arrival_of
 
 
 def saved(monkeypatch, *vehicles: str):

@@ -6,7 +6,7 @@ import libsumo
 import pytest
 from scripted import Domain, script
 
-from sumo_reactive.sumo.way_round import quickest_way
+from sumo_reactive.sumo.routes import quickest_way
 
 LEGS = {
     ("a", "x"): (("a", "m", "x"), 30.0),

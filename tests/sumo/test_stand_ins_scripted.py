@@ -7,9 +7,9 @@ import pytest
 from net_recipes import MINIMAL
 from scripted import Domain, script
 
-from sumo_reactive.sumo.ghosts import Ghosts
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.units import KEEP_ROUTE_EXACT
+from sumo_reactive.sumo.stand_ins import StandIns
+from sumo_reactive.sumo.vehicle_type import KEEP_ROUTE_EXACT
 
 NAME, TYPE = "reactive.ghost.ego.x.1", "reactive.ghost.type.ego.x"
 
@@ -37,7 +37,7 @@ def scripted(monkeypatch, there=(), **vehicle):
 
 def test_a_stand_in_departs_at_once_where_it_is_to_be_driven_by_nobody(monkeypatch, net):
     told = scripted(monkeypatch)
-    ghosts = Ghosts("ego", ".x")
+    ghosts = StandIns("ego", ".x")
     ghosts.show(net.lane("w_0"), 48.0123, 3.0, 5.125, ("w", "e"))
     departure = {"depart": "now", "departLane": "0", "departPos": "25.01", "departSpeed": "5.12"}
     assert told == [
@@ -53,7 +53,7 @@ def test_a_stand_in_departs_at_once_where_it_is_to_be_driven_by_nobody(monkeypat
 
 def test_its_type_is_the_egos_without_limits_and_without_devices_that_tell_of_it(monkeypatch, net):
     scripted(monkeypatch)
-    ghosts = Ghosts("ego", ".x")
+    ghosts = StandIns("ego", ".x")
     for _ in range(2):
         ghosts.show(net.lane("w_0"), 48.0, 3.0, 5.0, ("w",))
         ghosts.hide()
@@ -69,7 +69,7 @@ def test_its_type_is_the_egos_without_limits_and_without_devices_that_tell_of_it
 
 def test_inside_a_junction_it_departs_on_the_road_before_and_is_moved_there(monkeypatch, net):
     told = scripted(monkeypatch)
-    Ghosts("ego", ".x").show(net.lane(":j_0_0"), 99.0, -1.0, 5.0, ("w", "e"))
+    StandIns("ego", ".x").show(net.lane(":j_0_0"), 99.0, -1.0, 5.0, ("w", "e"))
     assert told[0][-1] == {"depart": "now", "departLane": "best", "departPos": "0.0", "departSpeed": "5.0"}
     assert told[-1][4:6] == pytest.approx((99.0, -1.6))
 
@@ -83,7 +83,7 @@ def orders(told):
 
 def test_it_is_moved_on_its_roads_and_through_junctions_and_made_anew_elsewhere(monkeypatch, net):
     told = scripted(monkeypatch)
-    ghosts, kinds = Ghosts("ego"), []
+    ghosts, kinds = StandIns("ego"), []
     for name, x, y, edges in (
         ("w_0", 50.0, -1.6, ("w", "e")), (":j_0_0", 99.0, -1.6, ()), ("e_0", 120.0, -1.6, ()), ("n_0", 101.0, 50.0, ("n",)),
         ("n_0", 101.0, 51.0, ()),
@@ -96,7 +96,7 @@ def test_it_is_moved_on_its_roads_and_through_junctions_and_made_anew_elsewhere(
 
 def test_it_is_removed_once_as_one_that_has_vanished(monkeypatch, net):
     told = scripted(monkeypatch)
-    ghosts = Ghosts("ego")
+    ghosts = StandIns("ego")
     ghosts.hide()
     assert told == []
     ghosts.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
@@ -109,7 +109,7 @@ def test_it_is_removed_once_as_one_that_has_vanished(monkeypatch, net):
 @pytest.mark.parametrize("order", ["setSpeed", "moveToXY", "add"])
 def test_one_that_sumo_does_not_take_is_given_up_until_the_next_step(monkeypatch, net, order):
     scripted(monkeypatch, **{order: libsumo.TraCIException("not known")})
-    ghosts = Ghosts("ego")
+    ghosts = StandIns("ego")
     for made in (1, 2):
         ghosts.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
         assert ghosts.made == made
@@ -127,7 +127,7 @@ def test_one_that_sumo_does_not_take_is_given_up_until_the_next_step(monkeypatch
 def test_one_that_waits_appears_where_its_body_of_5_m_touches_nobodys(monkeypatch, net, front, length, is_taken, far):
     """On w_0, whose 96 m SUMO counts as 50: its front is at 48 m, which are 25."""
     scripted(monkeypatch, (*far, ("other", (front, length))))
-    ghosts = Ghosts("ego")
+    ghosts = StandIns("ego")
     ghosts.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",), waits=True)
     assert ghosts.made == (0 if is_taken else 1)
     ghosts.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",))

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from occupants import ahead, behind, cut_in_bend, in_change, occupied
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, Turnaround
@@ -13,9 +14,9 @@ from sumo_reactive.driver.nouns.snapshot import Cut
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.parameters import CUT_SEEN_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.sumo import straddling
+from sumo_reactive.sumo import stand_ins as straddling
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, cut_lane, haunt, lane_to_haunt, left_behind
+from sumo_reactive.sumo.stand_ins import OccupiedLane
 
 CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
 LANE = '<lane id="{0}" index="{1}" speed="9" length="{2}" shape="{3},{4} {5},{4}"/>'
@@ -78,7 +79,7 @@ def shown(seen):
     ],
 )
 def test_who_has_swung_out_is_on_his_lane_or_where_sumo_sees_no_front_under_his_middle(road, own, y, heading, place):
-    seen = haunt(road, planned(), on(own), ego_at(60.0, y, heading), 10.0, CAR, EDGES)
+    seen = occupied(road, planned(), on(own), ego_at(60.0, y, heading), 10.0, CAR, EDGES)
     assert shown(seen) == (place[0], round(place[1], 3), round(place[2], 3))
     assert (seen.speed, seen.edges, seen.waits) == (5.0, EDGES, False)
 
@@ -115,14 +116,14 @@ BACK = LaneChange("ab_1", "ab_0", -1, 0.0, 40.0, 80.0)
     ],
 )
 def test_a_change_is_seen_from_its_begin_until_the_rear_has_left_the_old_lane(road, change, lane_id, y, s, lane):
-    found = lane_to_haunt(road, planned(change), lane_id, 60.0, y, s, CAR)
+    found = in_change(road, planned(change), on(lane_id), 60.0, y, s, CAR)
     assert (found.id if found else None) == lane
 
 
 def test_of_several_changes_the_one_under_way_counts(road):
     plan = planned(replace(CHANGE, start=0.0, end=10.0), BACK)
-    assert lane_to_haunt(road, plan, "ab_1", 60.0, -1.6, 60.0, CAR).id == "ab_0"
-    assert lane_to_haunt(road, plan, "ab_1", 60.0, -1.6, 30.0, CAR) is None
+    assert in_change(road, plan, on("ab_1"), 60.0, -1.6, 60.0, CAR).id == "ab_0"
+    assert in_change(road, plan, on("ab_1"), 60.0, -1.6, 30.0, CAR) is None
 
 
 @pytest.mark.parametrize(
@@ -142,7 +143,7 @@ def test_of_several_changes_the_one_under_way_counts(road):
 )
 def test_beside_its_lane_the_ego_is_shown_on_the_lane_that_it_covers(road, lane_id, lateral, y, heading, place):
     plan = planned(aside=Aside("x", lateral, 60.0, 80.0))
-    seen = haunt(road, plan, on(lane_id), ego_at(60.0, y, heading), 10.0, CAR, EDGES)
+    seen = occupied(road, plan, on(lane_id), ego_at(60.0, y, heading), 10.0, CAR, EDGES)
     assert shown(seen) == (None if place is None else (place[0], round(place[1], 3), round(place[2], 3)))
     if seen is not None:
         assert (seen.speed, seen.edges) == ((0.0, ("ba",)) if seen.lane.id == "ba_0" else (5.0, EDGES))
@@ -176,12 +177,13 @@ def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
     plan, s = planned(), front - CAR.front_overhang
     asked = []
     monkeypatch.setattr(straddling, "cuts_of", lambda *of: (asked.append(of), (Cut(0.0, 1.0, False, "ab_1"), cut))[1])
-    found = cut_lane(road, plan, on(lane_id), s, speed, CAR, stop)
+    found = cut_in_bend(road, plan, on(lane_id), s, speed, CAR, stop)
     assert (found.id if found else None) == lane
     assert asked == [(plan, road, CAR)]
     x, y = road.lanes[lane_id].spine.at(5.0)
-    seen = haunt(road, plan, on(lane_id), ego_at(x, y, speed=speed), s, CAR, EDGES, stop)
-    assert seen == (None if found is None else Haunt(found, pytest.approx(x), pytest.approx(y), speed, EDGES, waits=True))
+    seen = occupied(road, plan, on(lane_id), ego_at(x, y, speed=speed), s, CAR, EDGES, stop)
+    there = found and OccupiedLane(found, pytest.approx(x), pytest.approx(y), speed, EDGES, waits=True)
+    assert seen == there
 
 
 TURN = Turnaround(40.0, 41.0, 46.0, "ab_1", 0, "ba_0", 1, (), 20.0, 5.0)
@@ -194,8 +196,8 @@ TURN = Turnaround(40.0, 41.0, 46.0, "ab_1", 0, "ba_0", 1, (), 20.0, 5.0)
 )  # fmt: skip
 def test_an_ego_is_left_behind_once_its_front_or_its_heading_leaves_the_lane(road, y, heading, is_shown):
     plan = SimpleNamespace(curve=SimpleNamespace(at=lambda s: (s, -1.5, 0.0)))
-    seen = left_behind(road, plan, TURN, ego_at(290.0, y, heading), CAR, EDGES)
-    assert seen == (Haunt(road.lanes["ab_1"], pytest.approx(39.3), -1.5, 0.0, EDGES) if is_shown else None)
+    seen = behind(road, plan, TURN, ego_at(290.0, y, heading), CAR, EDGES)
+    assert seen == (OccupiedLane(road.lanes["ab_1"], pytest.approx(39.3), -1.5, 0.0, EDGES) if is_shown else None)
 
 
 @pytest.mark.parametrize(("heading", "is_shown"), [(0.8, False), (1.1, False), (0.5, False), (1.13, True), (0.47, True)])
@@ -204,7 +206,7 @@ def test_whether_an_ego_has_turned_is_told_from_its_lanes_direction(heading, is_
     bent = Polyline(np.array([(0.0, 0.0), (10.0, 0.0), (10.0 + 50.0 * math.cos(0.8), 50.0 * math.sin(0.8))]))
     graph = SimpleNamespace(lanes={"ab_1": SimpleNamespace(id="ab_1", spine=bent)})
     plan = SimpleNamespace(curve=SimpleNamespace(at=lambda s: (s, 0.0, 0.0)))
-    seen = left_behind(graph, plan, TURN, ego_at(*bent.at(50.0), heading), CAR, EDGES)
+    seen = behind(graph, plan, TURN, ego_at(*bent.at(50.0), heading), CAR, EDGES)
     assert (seen is not None) is is_shown
 
 
@@ -214,9 +216,9 @@ def test_whether_an_ego_has_turned_is_told_from_its_lanes_direction(heading, is_
 )
 def test_ahead_of_mapping_the_stand_in_has_its_rear_where_the_body_is_farthest_back(road, y, heading, front):
     """On ba_0, to the west: what is farthest back is farthest to the east."""
-    seen = ahead_of_mapping(road, TURN, ego_at(200.0, y, heading), CAR, ("ba",))
+    seen = ahead(road, TURN, ego_at(200.0, y, heading), CAR, ("ba",))
     if y > 0.0:
         assert seen is None
         return
     east = max(200.0, 200.0 - 4.7 * math.cos(heading)) if front is None else front + 4.7
-    assert seen == Haunt(road.lanes["ba_0"], pytest.approx(east - 4.7), pytest.approx(1.6), 0.0, ("ba",))
+    assert seen == OccupiedLane(road.lanes["ba_0"], pytest.approx(east - 4.7), pytest.approx(1.6), 0.0, ("ba",))
