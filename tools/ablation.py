@@ -33,9 +33,10 @@ from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.errors import InputError
-from sumo_reactive.lab.runner import Ending, Runner
+from sumo_reactive.lab.runner import Runner
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_trial
+from sumo_reactive.lab.task import Ending
 
 ROOT = Path(__file__).resolve().parent.parent
 TIMEOUT_S = 600.0

@@ -98,7 +98,7 @@ def test_a_run_that_is_killed_leaves_nothing(tmp_path, stage):
 
 
 def test_an_interrupt_within_what_is_executed_leaves_the_exit_code_alone(tmp_path):
-    code = "import os, signal\nfrom sumo_reactive.cli.interrupts import Interrupts\none = Interrupts()\none.listen()\n"
+    code = "import os, signal\nfrom sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
     code += "try:\n    exec('os.kill(os.getpid(), signal.SIGINT)')\nexcept KeyboardInterrupt:\n    one.end()\n    "
     assert from_the_start(f"{code}raise SystemExit(130)\n", folder=tmp_path).returncode == 130
 

@@ -21,9 +21,9 @@ from sumo_reactive.driver.parameters import (
     TURNER_WAIT_S,
     TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import LaneChanging
 from sumo_reactive.driver.pilot.behaviours.changing_queues import expected_wait, leave_queue, released
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
+from sumo_reactive.driver.pilot.situation import LaneChanging
 
 BODY = Body(4.7, 1.8, 9.0, 50.0)
 
