@@ -2,6 +2,8 @@
 what it foresees, what it rests on."""
 
 import pytest
+from helpers.cars import CAR
+from helpers.curves import on_curve
 from helpers.situations import Situation, before
 from helpers.telling import told
 
@@ -87,8 +89,9 @@ def full_stop_made() -> Picture:
 
 def crossing_now() -> Picture:
     ego = before(PRIORITY, SOUTH_NORTH, 10.0, 8.0)
-    steps = ego.driven(2.0)
-    return ego, ego.step(on(ego, WEST_EAST, -30.0, 12.0), drive=steps[-1].drive, time=ego.time + 2.0)
+    front = ego.line + 8.0
+    drive = ego.drive()._replace(ego=on_curve(ego.plan.curve, front, 8.0), s=front - CAR.front_overhang)
+    return ego, ego.step(on(ego, WEST_EAST, -30.0, 12.0), drive=drive, time=ego.time + 2.0)
 
 
 def from_the_right() -> Picture:
@@ -260,12 +263,17 @@ delay 0.00 on 100.00 0
     crossing_now: """
 CROSSING: CROSS, DRIVE
 tuned 10.00 1.00 1.00 inf
+OWN from_south_0->to_north_0|from_east_0->to_south_0
+OWN from_south_0->to_north_0|from_west_0->to_east_0
+OWN from_south_0->to_north_0|from_north_0->to_east_0
+OWN from_south_0->to_north_0|from_west_0->to_north_0
+OWN from_south_0->to_north_0|from_east_0->to_west_0
 6 regions
-FINE late 0.26 for 14.40
-rests on for 0.40
+FINE late 1.01 for 14.40
+rests on for 0.40 is_off_nominal
 1 can be reached, stages (3, 0, 1)
-may go by 101.10 stopped at
-delay 0.00 on 102.00 0
+may go by 102.00 stopped at
+delay 0.25 on 102.00 0
 """,
     from_the_right: """
 CAUTIOUS: STOP, YIELD
