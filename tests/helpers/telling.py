@@ -60,7 +60,7 @@ def _rests_on(memory: PilotMemory) -> list[str]:
     assert premises is not None
     said = [name for name in premises._fields if name.startswith("is_") and getattr(premises, name)]
     lines = [_words("rests on", *sorted(premises.heeded), "for", premises.trusted_until - premises.time, *said)]
-    lines.append(_words(len(premises.regions), "can be reached, stages", *premises.stages))
+    lines.append(_words(len(premises.regions), "can be reached, stages", *(tuple(map(int, one)) for one in premises.stages)))
     lines.append(_words("may go by", *memory.released, *memory.yellows, "stopped at", memory.stopped_at))
     return [*lines, _words("delay", memory.delay, "on", memory.progress_time, memory.escapes, *_under_way(memory))]
 
