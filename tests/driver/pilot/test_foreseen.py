@@ -213,3 +213,18 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
 def test_what_is_foreseen_turns_over_at(name):
     holds, low, high, figure = ROWS[name]
     assert turns_at(holds, low, high) == pytest.approx(figure, abs=0.005)
+
+
+def test_who_comes_from_behind_on_the_egos_lane_need_not_be_looked_at_wherever_on_the_map_that_is():
+    """Only its own lane counts: to either side he is met when the ego pulls out or back."""
+    ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 8.5).late_by(3.0)
+    situation = ego.considered(ego.ahead("x", 10.5, 8.5), ego.ahead("behind", -16.0, 25.0), sight=600.0)
+    assert situation.ahead_of_ego is not None
+    forecast = situation.outlook.forecast
+    k = forecast.user_ids.index("behind")
+    for lateral, is_met in ((0.0, False), (1.3, False), (-1.3, False), (1.5, True)):
+        bodies = forecast.bodies.copy()
+        bodies[k, 1] = lateral
+        moved = situation._replace(outlook=situation.outlook._replace(forecast=forecast._replace(bodies=bodies)))
+        found = proof(moved, situation.ahead_of_ego)
+        assert (found.obstacle == "behind") is is_met
