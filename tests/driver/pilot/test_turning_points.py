@@ -4,6 +4,8 @@ from collections.abc import Callable
 from functools import cache
 
 import pytest
+from helpers.cars import CAR
+from helpers.curves import on_curve
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
@@ -57,9 +59,24 @@ def stands_there_for(ego: Situation, route: tuple[str, str]) -> Holds:
     return lambda waiting: ego.stop(on(ego, route, 1.0, 0.0, waiting)) is not None
 
 
+def inside(into: float, route: tuple[str, str]) -> Holds:
+    """Whether an ego with 3 m/s, its bumper so far behind its line, stops for a car so many metres before its own."""
+    ego = minor(10.0, 3.0)
+    front = ego.line + into
+    drive = ego.drive()._replace(ego=on_curve(ego.plan.curve, front, 3.0), s=front - CAR.front_overhang)
+    return lambda away: ego.step(on(ego, route, away, 13.0), drive=drive).completed.stop is not None
+
+
+def behind(ego: Situation) -> Holds:
+    """Whether the ego stops for a car so far inside the junction that drives through it."""
+    part = ego.graph.connections["from_west_0->to_east_0"].parts[0]
+    return lambda at: ego.stop(ego.other("x", part, at, 13.0, ("to_east",))) is not None
+
+
 LEFT = ego_at("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, 1)
 FROM_A_STAND, ROLLING = minor(1.0, 0.0, SOUTH_WEST), minor(8.0, 6.0)
 NEAR_RIGHT = ego_at(RIGHT_FIRST, SOUTH_NORTH, 12.0, 6.0)
+CANNOT_STOP_M = 13.0**2 / (2.0 * FOE_CAN_STOP_DECELERATION)
 
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m that a fast car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 13.0), 26.0, 150.0, 69.457),
@@ -71,6 +88,15 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m of oncoming walkers' pace": (stops_for(LEFT, NORTH_SOUTH, 3.0, GREEN), 20.0, 150.0, 33.266),
     "m of oncoming town traffic": (stops_for(LEFT, NORTH_SOUTH, 10.0, GREEN), 20.0, 150.0, 65.952),
     "m of oncoming fast traffic": (stops_for(LEFT, NORTH_SOUTH, 13.0, GREEN), 20.0, 150.0, 70.733),
+    "m of who comes from the left to an ego inside": (inside(1.0, WEST_EAST), 0.5, 60.0, CANNOT_STOP_M),
+    "m of who comes from the right to an ego inside": (inside(1.0, EAST_WEST), 10.0, 60.0, CANNOT_STOP_M),
+    "m of who is too near on the right of an ego inside": (inside(1.0, EAST_WEST), 0.5, 10.0, 5.392),
+    "m of who comes from the right to an ego farther inside": (inside(5.0, EAST_WEST), 0.5, 60.0, CANNOT_STOP_M),
+    "m at which who comes from the left is sure to go": (stops_for(minor(1.0, 0.0), WEST_EAST, 13.0), 0.1, 20.0, 2.863),
+    "m at which who comes from the right is sure to go": (stops_for(minor(1.0, 0.0), EAST_WEST, 13.0), 0.1, 20.0, 6.063),
+    "m of who is through before an ego that rolls": (behind(minor(1.0, 2.0)), 0.1, 13.0, 0.956),
+    "m of who is through before a faster ego": (behind(minor(3.0, 4.0)), 0.1, 13.0, 3.016),
+    "m of who comes after a faster ego": (stops_for(minor(3.0, 4.0), WEST_EAST, 13.0), 20.0, 40.0, 36.583),
     "m where a queue behind ends": (queue_ends_at(0.0), 3.5, 20.0, 10.7),
     "m where a crawling car behind is": (queue_ends_at(2.0), 3.5, 20.0, 7.9),
     "m where a crawling car behind another is": (queue_ends_at(2.0, 0.0), 3.5, 20.0, 10.7),
