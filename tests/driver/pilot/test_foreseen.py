@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -228,3 +229,21 @@ def test_who_comes_from_behind_on_the_egos_lane_need_not_be_looked_at_wherever_o
         moved = situation._replace(outlook=situation.outlook._replace(forecast=forecast._replace(bodies=bodies)))
         found = proof(moved, situation.ahead_of_ego)
         assert (found.obstacle == "behind") is is_met
+
+
+def test_why_nobody_can_be_passed_is_told_in_words():
+    lane_of_its_own = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 8.5, 2)
+    short, plan = before("two_way_road", COUNTRY, 110.0, 8.5), country().plan
+    slow = replace(country(), plan=replace(plan, speed_limits=np.minimum(plan.speed_limits, 16.5)))
+    told = [
+        proven(street(), street().ahead("x", 4.0, 0.0, halted=True)),
+        proven(slow, slow.ahead("x", 10.5, 16.0)),
+        proven(short, short.ahead("x", 10.5, 8.5)),
+        proven(lane_of_its_own, lane_of_its_own.ahead("x", 10.5, 8.5)),
+    ]
+    assert [(one.aside, one.obstacle) for one in told] == [
+        (None, "no room to swing out"),
+        (None, "x is too fast to pass"),
+        (None, "the road ahead is too short"),
+        (None, "no lane to pass on"),
+    ]
