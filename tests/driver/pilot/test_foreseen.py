@@ -234,10 +234,12 @@ def test_who_comes_from_behind_on_the_egos_lane_need_not_be_looked_at_wherever_o
 def test_why_nobody_can_be_passed_is_told_in_words():
     lane_of_its_own = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 8.5, 2)
     short, plan = before("two_way_road", COUNTRY, 110.0, 8.5), country().plan
-    slow = replace(country(), plan=replace(plan, speed_limits=np.minimum(plan.speed_limits, 16.5)))
+    fast = country().considered(country().ahead("x", 10.5, 16.0), sight=600.0)
+    slow = replace(plan, speed_limits=np.minimum(plan.speed_limits, 16.5))
+    assert fast.ahead_of_ego is not None
     told = [
         proven(street(), street().ahead("x", 4.0, 0.0, halted=True)),
-        proven(slow, slow.ahead("x", 10.5, 16.0)),
+        proof(fast._replace(plan=slow), fast.ahead_of_ego),
         proven(short, short.ahead("x", 10.5, 8.5)),
         proven(lane_of_its_own, lane_of_its_own.ahead("x", 10.5, 8.5)),
     ]
