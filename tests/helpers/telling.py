@@ -1,0 +1,77 @@
+"""What a control step tells of its decision, in full and line by line: a change of any word or figure is seen."""
+
+from __future__ import annotations
+
+from helpers.situations import Situation
+from sumo_reactive.driver.controller import Step
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
+from sumo_reactive.driver.nouns.decision import Occupancy
+from sumo_reactive.driver.pilot.memory import PilotMemory
+
+
+def told(ego: Situation, step: Step) -> list[str]:
+    """Return orders, reasons, regions, what was foreseen and what the decision rests on; places in m behind the first line
+    (behind the ego's front bumper where it has none), figures to two places."""
+    completed, memory = step.completed, step.drive.memory
+    origin = ego.line if ego.plan.passages else step.snapshot.front
+    return [*_orders(completed, origin), *_reasons(completed), *_foreseen(completed, origin), *_rests_on(memory)]
+
+
+def _orders(completed: CompletedPlan, origin: float) -> list[str]:
+    lines = [f"{completed.behaviour.name}: {completed.instruction.name}, {completed.intent.name}"]
+    stop, request, aside = completed.stop, completed.request, completed.request.aside
+    if stop is not None:
+        lines.append(_words("stop at", stop.s - origin, stop.reason.name, stop.region, stop.cause))
+    if request.what is not Replanning.NOTHING:
+        lines.append(_words("asks for", request.what.name, request.change_lane, request.onto, request.route_index))
+    if aside is not None:
+        lines.append(_words("leads", aside.lateral, "beside", aside.user_id, aside.back - origin, aside.until - origin))
+    if completed.slot or completed.sight:
+        lines.append(_words("behind", completed.slot, "looks", completed.sight))
+    if completed.move is not None:
+        lines.append(_words("moves", completed.move.gear, completed.move.steering_angle, completed.move.until))
+    weights, profile = completed.tuning.weights, completed.tuning.profile
+    return [*lines, _words("tuned", weights.valley, profile.deceleration, profile.headway, profile.top_speed)]
+
+
+def _reasons(completed: CompletedPlan) -> list[str]:
+    lines = []
+    for one in completed.decisions:
+        figures = [word for name, value in one.figures for word in (name, value)]
+        why = "passes" if one.passes else "because"
+        lines.append(_words(one.behaviour.name, why, one.reason.name, one.region, one.cause))
+        lines += [_words("-", *figures)] if figures else []
+    taken = [one for one in completed.regions if one.occupancy is not Occupancy.FREE]
+    lines += [_words(one.occupancy.name, one.region, one.user_id) for one in taken]
+    return [*lines, f"{len(completed.regions)} regions"]
+
+
+def _foreseen(completed: CompletedPlan, origin: float) -> list[str]:
+    found = completed.assessment
+    lines = [_words(found.outcome.name, "late", found.lateness, "for", found.constraint - origin)]
+    if found.encounter is not None:
+        meets = found.encounter
+        lines.append(_words("meets", meets.user_id, "at", meets.time, meets.s - origin, meets.x, meets.y))
+    return lines
+
+
+def _rests_on(memory: PilotMemory) -> list[str]:
+    premises = memory.premises
+    assert premises is not None
+    said = [name for name in premises._fields if name.startswith("is_") and getattr(premises, name)]
+    lines = [_words("rests on", *sorted(premises.heeded), "for", premises.trusted_until - premises.time, *said)]
+    lines.append(_words(len(premises.regions), "can be reached, stages", *(tuple(map(int, one)) for one in premises.stages)))
+    lines.append(_words("may go by", *memory.released, *memory.yellows, "stopped at", memory.stopped_at))
+    return [*lines, _words("delay", memory.delay, "on", memory.progress_time, memory.escapes, *_under_way(memory))]
+
+
+def _under_way(memory: PilotMemory) -> list[object]:
+    """Return since when or up to when what lasts lasts."""
+    found = {"waits since": memory.waiting_since, "serves until": memory.serving_until, "move": memory.move}
+    passing = ["passing", *memory.overtaking[:2], memory.overtaking.instruction.name] if memory.overtaking else []
+    return [*passing, *(word for name, value in found.items() if value is not None for word in (name, value))]
+
+
+def _words(*what: object) -> str:
+    """Return it as one line; what is empty is left out."""
+    return " ".join(f"{one + 0.0:.2f}" if isinstance(one, float) else str(one) for one in what if one != "")
