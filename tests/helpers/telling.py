@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
 from helpers.situations import Situation
 from sumo_reactive.driver.controller import Step
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
-from sumo_reactive.driver.nouns.decision import Occupancy
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Occupancy, Reason
+from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.pilot.memory import PilotMemory
+
+
+def again(ego: Situation, *users: RoadUser, lights: dict[str, str] | None = None) -> Step:
+    """Return the step in which the pilot decides a second time, with the plan that it has completed in the first."""
+    drive = ego.step(*users, lights=lights).drive
+    premises = drive.memory.premises
+    assert premises is not None
+    forgotten = premises._replace(is_standing=not premises.is_standing)  # an event: it seems to have started or stopped
+    drive = ego.drive()._replace(completed=drive.completed, memory=drive.memory._replace(premises=forgotten))
+    return ego.step(*users, lights=lights, drive=drive)
 
 
 def told(ego: Situation, step: Step) -> list[str]:
@@ -21,17 +35,27 @@ def _orders(completed: CompletedPlan, origin: float) -> list[str]:
     lines = [f"{completed.behaviour.name}: {completed.instruction.name}, {completed.intent.name}"]
     stop, request, aside = completed.stop, completed.request, completed.request.aside
     if stop is not None:
-        lines.append(_words("stop at", stop.s - origin, stop.reason.name, stop.region, stop.cause))
+        lines.append(_words("stop at", stop.s - origin, *_until(stop), stop.reason.name, stop.region, stop.cause))
+    for one in completed.constraints:
+        if not one.is_hard and one.reason is not Reason.ON_SCHEDULE:
+            speed = () if one.speed == math.inf else ("to", one.speed)
+            whom = ("behind", one.behind) if one.behind else ()
+            due = _words("from", one.s - origin, *_until(one), *speed, one.reason.name, one.region, one.cause, *whom)
+            lines.append(due)
     if request.what is not Replanning.NOTHING:
         lines.append(_words("asks for", request.what.name, request.change_lane, request.onto, request.route_index))
     if aside is not None:
         lines.append(_words("leads", aside.lateral, "beside", aside.user_id, aside.back - origin, aside.until - origin))
-    if completed.slot or completed.sight:
-        lines.append(_words("behind", completed.slot, "looks", completed.sight))
+    if completed.sight:
+        lines.append(_words("looks", completed.sight))
     if completed.move is not None:
         lines.append(_words("moves", completed.move.gear, completed.move.steering_angle, completed.move.until))
     weights, profile = completed.tuning.weights, completed.tuning.profile
-    return [*lines, _words("tuned", weights.valley, profile.deceleration, profile.headway, profile.top_speed)]
+    return [*lines, _words("tuned", weights.valley, profile.deceleration, profile.headway)]
+
+
+def _until(constraint: TimeConstraint) -> tuple[object, ...]:
+    return ("until", constraint.time) if constraint.time < math.inf else ()
 
 
 def _reasons(completed: CompletedPlan) -> list[str]:
@@ -58,7 +82,7 @@ def _foreseen(completed: CompletedPlan, origin: float) -> list[str]:
 def _rests_on(memory: PilotMemory) -> list[str]:
     premises = memory.premises
     assert premises is not None
-    said = [name for name in premises._fields if name.startswith("is_") and getattr(premises, name)]
+    said = [name for name in premises._fields if getattr(premises, name) is True]
     lines = [_words("rests on", *sorted(premises.heeded), "for", premises.trusted_until - premises.time, *said)]
     lines.append(_words(len(premises.regions), "can be reached, stages", *(tuple(map(int, one)) for one in premises.stages)))
     lines.append(_words("may go by", *memory.released, *memory.yellows, "stopped at", memory.stopped_at))

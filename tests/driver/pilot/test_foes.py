@@ -20,9 +20,8 @@ from sumo_reactive.driver.parameters import (
     HESITATION_S,
     ZIPPER_LEAD_M,
 )
-from sumo_reactive.driver.pilot.highway_code import Rules, ask
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging
-from sumo_reactive.driver.pilot.passages import crossings
+from sumo_reactive.driver.pilot.passages import view_of
+from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind, Interval
 
@@ -40,7 +39,7 @@ def rules(ego: Situation, change: Change, control: Control = Control.MINOR, ligh
     snapshot = snapshot._replace(foes=tuple(map(change, snapshot.foes)))
     seen = passages_ahead(ego.graph, ego.plan, snapshot.passages)
     ahead = tuple((i, replace(connection, control=control), conflicts) for i, connection, conflicts in seen)
-    return ask(snapshot, ego.plan, tuple(crossings(snapshot, ego.plan, ahead)), ahead, LaneChanging(), ego.memory, CAR)[0]
+    return ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)[0]
 
 
 def reason(found: Rules) -> Reason | None:
@@ -93,7 +92,7 @@ def test_a_pedestrian_beside_a_crossing_with_a_light_walks_at_green(letter, walk
     change = walks(3.0, 1.0, must_yield=False)
     snapshot = snapshot._replace(foes=tuple(map(change, snapshot.foes)), lights={"centre": letters})
     ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
-    found, _ = ask(snapshot, ego.plan, tuple(crossings(snapshot, ego.plan, ahead)), ahead, LaneChanging(), ego.memory, CAR)
+    found, _ = ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)
     assert ("x" in found.judged) is walks_on
 
 
@@ -164,7 +163,7 @@ def test_between_paths_that_yield_to_each_other_the_higher_letter_goes_first(own
     change = comes(20.0, 15.0, 8.0, must_yield=True, is_yielded_to=True)
     snapshot = snapshot._replace(foes=(change(crosser),))
     ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
-    found, _ = ask(snapshot, ego.plan, tuple(crossings(snapshot, ego.plan, ahead)), ahead, LaneChanging(), ego.memory, CAR)
+    found, _ = ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)
     assert reason(found) is LETTERS[own, theirs]
 
 

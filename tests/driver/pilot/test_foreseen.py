@@ -13,7 +13,8 @@ from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.nouns.assessment import Assessment, Outcome
-from sumo_reactive.driver.nouns.decision import Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.forecast import Forecast
 from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
@@ -61,7 +62,7 @@ def fails(found: Assessment) -> bool:
         ({"forecast": path("x", 60.0, 1.0, EAST, 0.0)}, (104.6, 56.0, 56.0, 0.0)),
         ({"forecast": path("x", 40.0, -12.0, 0.3 * math.pi, 4.0, lateral=1.0)}, (103.6, 46.0, 46.0, 0.0)),
         ({"forecast": path("x", 60.0, 0.0, math.pi, 3.0), "x": (12.0, 4.0)}, (106.4, 41.23, 41.23, 0.0)),
-        ({"forecast": path("x", 39.0, 0.0, EAST, 0.0), "stop": StopAt(36.0, Reason.RED_LIGHT)}, (104.0, 35.27, 35.27, 0.0)),
+        ({"forecast": path("x", 39.0, 0.0, EAST, 0.0), "stop": stop_at(36.0, Reason.RED_LIGHT)}, (104.0, 35.27, 35.27, 0.0)),
     ],
 )
 def test_an_encounter_is_told_with_time_and_place(scene, meets):
@@ -76,8 +77,8 @@ def test_an_encounter_is_told_with_time_and_place(scene, meets):
         ({}, 0.20),
         ({"speed": 4.0}, 1.04),
         ({"speed": 0.0}, 2.60),
-        ({"stop": StopAt(60.0, Reason.RED_LIGHT)}, 3.00),
-        ({"stop": StopAt(30.0, Reason.RED_LIGHT)}, 6.00),
+        ({"stop": stop_at(60.0, Reason.RED_LIGHT)}, 3.00),
+        ({"stop": stop_at(30.0, Reason.RED_LIGHT)}, 6.00),
         ({"x": (20.0, 5.0)}, 2.91),
         ({"x": (6.0, 5.0)}, 4.17),
         ({"x": (30.0, 0.0)}, 5.21),
@@ -186,7 +187,7 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m beside": (lambda m: fails(going_on(path("x", 60.0, m, math.pi, 5.0))), 0.0, 4.0, 1.899),
     "m beside to the right": (lambda m: fails(going_on(path("x", 60.0, -m, math.pi, 5.0))), 0.0, 4.0, 1.899),
     "m before a stop": (
-        lambda m: fails(going_on(path("x", m, 0.0, NORTH, 0.0), stop=StopAt(40.0, Reason.RED_LIGHT))), 20.0, 60.0, 41.0,
+        lambda m: fails(going_on(path("x", m, 0.0, NORTH, 0.0), stop=stop_at(40.0, Reason.RED_LIGHT))), 20.0, 60.0, 41.0,
     ),
     "m that X is behind before the ego comes back": (lambda m: returns(on_the_way_past(-m)), 5.0, 60.0, 18.501),
     "m that oncoming traffic must be away on the way past": (

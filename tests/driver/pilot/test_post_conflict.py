@@ -43,6 +43,6 @@ def test_of_several_stops_inside_the_nearest_is_the_one_that_is_moved_before_the
     ego = before("four_way_priority", NORTH, 20.0, 5.0)
     situation = ego.considered()
     way, conflicts = situation.ways[0], situation.ahead[0][2]
-    stops = [StopAt(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
+    stops = [stop_at(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
     found = wait_before(way, conflicts, stops, situation.snapshot, situation.memory, situation.limits)
-    assert found == StopAt(ego.line, Reason.NO_GAP, cause="4 m")
+    assert found == stop_at(ego.line, Reason.NO_GAP, cause="4 m")

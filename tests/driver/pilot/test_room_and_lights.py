@@ -10,31 +10,30 @@ from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.controller import passages_ahead
-from sumo_reactive.driver.nouns.decision import Occupancy, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.driver.nouns.plan import PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
 from sumo_reactive.driver.parameters import FOE_PATIENCE_S, HARD_STOP_MARGIN_M, MISSED_TURN_S, QUEUE_PATIENCE_S
-from sumo_reactive.driver.pilot.behaviours.stopping import still_to_serve
-from sumo_reactive.driver.pilot.highway_code import Rules, ask
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import crossings
+from sumo_reactive.driver.pilot.passages import view_of
+from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
+from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.world.route import ScheduledStop
 
 SOUTH_NORTH, WEST_EAST = ("from_south", "to_north"), ("from_west", "to_east")
 STANDING = before("four_way_priority", SOUTH_NORTH, 1.0, 0.0)
 QUEUE = STANDING.other("queue", "to_north_0", 3.5, 0.0, ("to_north",), 20.0)
-NOTHING = LaneChanging()
 YELLOW = {"centre": "y" * 12}
 
 ego_at = cache(before)
 
 
-def asked(ego: Situation, snapshot: Snapshot, changing: LaneChanging = NOTHING, **connection) -> Rules:
+def asked(ego: Situation, snapshot: Snapshot, change: TimeConstraint | None = None, **connection) -> Rules:
     """What the highway code asks for, the connection of the passage changed."""
     seen = passages_ahead(ego.graph, ego.plan, snapshot.passages)
     ahead = tuple((i, replace(one, **connection), conflicts) for i, one, conflicts in seen)
-    return ask(snapshot, ego.plan, tuple(crossings(snapshot, ego.plan, ahead)), ahead, changing, ego.memory, CAR)[0]
+    return ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, change, ego.memory)[0]
 
 
 def waited(seconds: float) -> Situation:
@@ -163,8 +162,8 @@ def test_of_a_stop_that_is_being_served_what_is_left_of_it_is_still_to_serve():
 def moved_stop(away: float, speed: float, behind_line: float) -> float | None:
     """Return how far behind its line the ego is made to stop that wants to stop there for want of a gap."""
     ego = ego_at("four_way_priority", SOUTH_NORTH, away, speed)
-    stop = StopAt(ego.line + behind_line, Reason.NO_GAP, "lane", "x")
-    rules = asked(ego, ego.seen(), LaneChanging(stop=stop))
+    stop = stop_at(ego.line + behind_line, Reason.NO_GAP, "lane", "x")
+    rules = asked(ego, ego.seen(), stop)
     first = min((one for one, _ in rules.stops), key=lambda one: one.s)
     assert (first.reason, first.region, first.cause) == (Reason.NO_GAP, "lane", "x")
     assert len(rules.stops) == (2 if first.s < stop.s else 1)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, Situation, before
-from helpers.telling import told
+from helpers.telling import again, told
 
 from sumo_reactive.driver.controller import Controller, Step
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
@@ -139,13 +139,14 @@ def waits_for_a_gap() -> Picture:
 
 
 def misses_its_turn() -> Picture:
-    ego = before("multi_lane_road", TO_EXIT, 22.0, 0.0, lane=1).remembering(waiting_since=70.0, standing_since=70.0)
+    ego = before("multi_lane_road", TO_EXIT, 22.0, 0.0, lane=1)
+    ego = ego.remembering(waiting_since=70.0, standing_since=70.0, behaviour=Behaviour.CHANGING_LANES)
     return ego, ego.step(beside(ego, "beside", -2.0, 5.0), beside(ego, "before", 5.0, 5.0))
 
 
 def reaches_its_stop() -> Picture:
     ego = before("four_way_priority", ("from_west", "to_east"), 100.0, 0.0, stops=(ScheduledStop("from_west_0", 53.8, 4.0),))
-    return ego, ego.step()
+    return ego, again(ego)
 
 
 def turns_round() -> Picture:
@@ -170,8 +171,8 @@ def turning(away: float, speed: float) -> Situation:
 TELLINGS = {
     follows: """
 NORMAL: FOLLOW_CURVE, DRIVE
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 NORMAL passes FOLLOWS x
 0 regions
 DEGRADED late 6.42 for 0.00
@@ -184,20 +185,20 @@ delay 3.00 on 100.00 0
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
 leads 2.45 beside x -543.00 -489.02
-behind looks 600.00
-tuned 4.00 1.00 0.60 inf
+looks 600.00
+tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 6.42 for 0.00
-rests on x for 0.40 is_watchful
+rests on x for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
 """,
     meets_oncoming: """
 NORMAL: FOLLOW_CURVE, DRIVE
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 OVERTAKING because NO_ROOM_TO_PASS comes x
 0 regions
 DEGRADED late 6.42 for 0.00
@@ -208,8 +209,8 @@ delay 3.00 on 100.00 0
 """,
     short_road: """
 NORMAL: FOLLOW_CURVE, DRIVE
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 OVERTAKING because NO_ROOM_TO_PASS the road ahead is too short x
 0 regions
 DEGRADED late 6.42 for 0.00
@@ -222,12 +223,12 @@ delay 3.00 on 100.00 0
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
 leads 3.20 beside x -303.00 -240.29
-behind looks 600.00
-tuned 4.00 1.00 0.60 inf
+looks 600.00
+tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 6.41 for 0.00
-rests on x for 0.40 is_watchful
+rests on x for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -236,12 +237,12 @@ delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
 leads 3.20 beside x -303.00 -240.29
-behind looks 600.00
-tuned 4.00 1.00 0.60 inf
+looks 600.00
+tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 6.41 for 0.00
-rests on x for 0.40 is_watchful
+rests on x for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -250,12 +251,12 @@ delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
 leads 2.45 beside x -270.72 -235.97
-behind looks 600.00
-tuned 4.00 1.00 0.60 inf
+looks 600.00
+tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 5.93 for 0.00
-rests on x for 0.40 is_watchful
+rests on x for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -264,12 +265,12 @@ delay 0.00 on 100.00 0 passing x 100.00 OVERTAKE
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
 leads 2.50 beside x -570.29 -517.64
-behind looks 600.00
-tuned 4.00 1.00 0.60 inf
+looks 600.00
+tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 FINE late 0.30 for 0.00
-rests on for 0.40 is_watchful
+rests on for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 OVERTAKE
@@ -277,26 +278,27 @@ delay 0.00 on 100.00 0 passing x 95.00 OVERTAKE
     gap_is_lost: """
 OVERTAKING: FALL_BACK, DRIVE
 asks for CURVE 0 0
-behind looks 600.00
-tuned 10.00 1.35 1.00 inf
+looks 600.00
+tuned 10.00 1.35 1.00
 OVERTAKING because GAP_LOST c230
 0 regions
 FAILURE late 0.30 for 0.00
 meets c230 at 103.00 -545.49 295.45 100.90
-rests on c230 for 0.40 is_watchful
+rests on c230 for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 FALL_BACK
 """,
     gap_is_lost_beside: """
 OVERTAKING: OVERTAKE, DRIVE
-behind looks 600.00
-tuned 4.00 1.00 0.60 4.50
+from -600.09 to 4.50 GAP_LOST
+looks 600.00
+tuned 4.00 1.00 0.60
 OVERTAKING because GAP_LOST c190
 0 regions
 FAILURE late 0.30 for 0.00
 meets c190 at 102.00 -565.69 275.25 100.90
-rests on c190 for 0.40 is_watchful
+rests on c190 for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 OVERTAKE
@@ -304,24 +306,24 @@ delay 0.00 on 100.00 0 passing x 95.00 OVERTAKE
     has_passed: """
 OVERTAKING: RETURN, DRIVE
 asks for CURVE 0 0
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 FINE late 0.30 for 0.00
-rests on for 0.40 is_watchful
+rests on for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 RETURN
 """,
     comes_back: """
 OVERTAKING: RETURN, DRIVE
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 FINE late 0.30 for 0.00
-rests on for 0.40 is_watchful
+rests on for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 RETURN
@@ -329,8 +331,8 @@ delay 0.00 on 100.00 0 passing x 95.00 RETURN
     keeps_room: """
 NORMAL: STOP, YIELD
 stop at -258.00 BLOCKED x
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 STOPPING because BLOCKED x
 NORMAL passes FOLLOWS x
 0 regions
@@ -341,22 +343,22 @@ may go by 100.00 stopped at
 delay 0.00 on 100.00 0
 """,
     backs_up: """
-NORMAL: BACK_UP, YIELD
+BACKING_UP: BACK_UP, YIELD
 stop at -205.00 BLOCKED x
-behind looks 600.00
-tuned 10.00 1.00 1.00 inf
+looks 600.00
+tuned 10.00 1.00 1.00
 NORMAL passes FOLLOWS x
 STOPPING because BLOCKED x
 0 regions
 DEGRADED late 7.12 for 0.00
-rests on x for 0.40 is_standing is_watchful
+rests on x for 0.40 is_standing is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
 """,
     is_blocked: """
 NORMAL: FOLLOW_CURVE, DRIVE
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 NORMAL passes FOLLOWS x
 STOPPING because BLOCKED x
 0 regions
@@ -369,7 +371,7 @@ delay 0.00 on 0.00 1
     wants_a_new_curve: """
 NORMAL: FOLLOW_CURVE, DRIVE
 asks for CURVE 0 0
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions
 FINE late 1.00 for 0.00
@@ -380,7 +382,7 @@ delay 0.00 on 0.00 1
 """,
     wants_more_commands: """
 NORMAL: WIDEN, DRIVE
-tuned 4.00 1.00 1.00 inf
+tuned 4.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions
 FINE late 1.00 for 0.00
@@ -390,40 +392,40 @@ may go by 100.10 stopped at
 delay 0.00 on 0.00 2
 """,
     changes_lanes: """
-NORMAL: FOLLOW_CURVE, DRIVE
+CHANGING_LANES: FOLLOW_CURVE, DRIVE
 asks for CURVE -1 0
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 0 regions
 FINE late 0.22 for 0.00
-rests on for 0.40 is_seeking
+rests on for 0.40 is_seeking asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
 """,
     waits_for_a_gap: """
-NORMAL: STOP, YIELD
+CHANGING_LANES: STOP, YIELD
 stop at -20.28 NO_GAP road_before_exit_0 beside
-behind before looks 0.00
-tuned 10.00 1.00 1.00 inf
+from -60.28 NO_GAP behind before
+tuned 10.00 1.00 1.00
 STOPPING because NO_GAP road_before_exit_0 beside
 0 regions
 FINE late 0.84 for 0.00
-rests on for 0.40 is_standing is_seeking is_watchful
+rests on for 0.40 is_standing is_seeking is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 waits since 20.00
 """,
     misses_its_turn: """
-NORMAL: STOP, YIELD
+TAKING_ANOTHER_WAY: STOP, YIELD
 stop at -20.29 NO_GAP road_before_exit_0 beside
+from -22.29 NO_GAP behind before
 asks for ROUTE 0 0
-behind before looks 0.00
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 STOPPING because NO_GAP road_before_exit_0 beside
 0 regions
 FAILURE late 0.98 for 0.00
 meets beside at 103.20 -11.41 584.70 93.76
-rests on for 0.40 is_standing is_seeking is_watchful
+rests on for 0.40 is_standing is_seeking is_watchful asks
 0 can be reached, stages
 may go by road_before_exit_0->exit_0 100.00 stopped at
 delay 0.00 on 100.00 0 waits since 70.00
@@ -431,35 +433,35 @@ delay 0.00 on 100.00 0 waits since 70.00
     reaches_its_stop: """
 STOPPING: STOP, YIELD
 stop at -99.00 SCHEDULED_STOP from_west_0
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 STOPPING because SCHEDULED_STOP from_west_0
 0 regions
 DEGRADED late 6.74 for -99.00
-rests on for inf is_standing is_settled
+rests on for inf is_standing is_settled asks stop_is_near
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 serves until 104.00
 """,
     turns_round: """
-NORMAL: TURN_ROUND, DRIVE
+TURNING_ROUND: TURN_ROUND, DRIVE
 moves 1 0.60 0.90
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 CROSSING passes NARROW_TURN 2 moves
 0 regions
 FINE late 0.90 for 0.00
-rests on for inf is_standing
+rests on for inf is_standing asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 move (0, 0)
 """,
     before_a_turn: """
-NORMAL: STOP, YIELD
+TURNING_ROUND: STOP, YIELD
 stop at -292.00 NARROW_TURN
-tuned 10.00 1.00 1.00 inf
+tuned 10.00 1.00 1.00
 CAUTIOUS because NARROW_TURN
 0 regions
 FINE late 0.61 for 0.00
-rests on for inf
+rests on for inf asks
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0

@@ -11,7 +11,8 @@ from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
-from sumo_reactive.driver.nouns.decision import Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Queue, Queued
 from sumo_reactive.driver.nouns.plan import Move, Turnaround, WayBeside
@@ -21,6 +22,7 @@ from sumo_reactive.driver.parameters import (
     BEHAVIOUR_TOLERANCE,
     CAUTIOUS_AHEAD_M,
     CAUTIOUS_AHEAD_S,
+    COMFORT_DECELERATION,
     DELAY_STEP_S,
     ENTERING_M,
     HALTED_ROOM_M,
@@ -38,13 +40,14 @@ from sumo_reactive.driver.parameters import (
     TURNAROUND_PATIENCE_S,
     TURNAROUND_REACHED_M,
 )
-from sumo_reactive.driver.pilot.escape import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue
+from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
 from sumo_reactive.driver.pilot.events import detect, only_foes
-from sumo_reactive.driver.pilot.held_up import leave_queue
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging
 from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import confirm, may_confirm, notice
-from sumo_reactive.driver.pilot.turning_round import place_to_begin, turn_round
+from sumo_reactive.driver.pilot.situation import LaneChanging
 
 SOUTH_NORTH, WEST_EAST, STREET = ("from_south", "to_north"), ("from_west", "to_east"), ("eastbound", "eastbound_out")
 ROAD = ("road_before_exit", "road_after_exit")
@@ -161,7 +164,7 @@ def begins(away: float = 1.0, speed: float = 0.0, stop: float | None = None, sto
     move = Move(1, 0.6, 0.23, ego.ego.pose.heading + 3.1, is_last=True)
     turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, (move,), 20.0, 5.0)
     memory = PilotMemory() if stood is None else PilotMemory(standing_since=ego.time - stood)
-    place = None if stop is None else StopAt(start + stop, Reason.RED_LIGHT)
+    place = None if stop is None else stop_at(start + stop, Reason.RED_LIGHT)
     plan, over = replace(ego.plan, turnarounds=(turn,)), "" if stood is None else "x"
     reason = place_to_begin(ego.seen(), plan, memory, over).reason
     assert reason is (Reason.COMES_OVER if stood is not None and stood < TURNAROUND_PATIENCE_S else Reason.NARROW_TURN)
@@ -170,7 +173,9 @@ def begins(away: float = 1.0, speed: float = 0.0, stop: float | None = None, sto
 
 BRAKING = 6.0**2 / (2.0 * CAR.comfort_deceleration)
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
-    "m before the line that a junction is near": (stage_changes, 30.0, 90.0, CAUTIOUS_AHEAD_M + 8.0 * CAUTIOUS_AHEAD_S),
+    "m before the line that a junction is near": (
+        stage_changes, 30.0, 90.0, CAUTIOUS_AHEAD_M + 8.0 * CAUTIOUS_AHEAD_S + 64.0 / (2.0 * COMFORT_DECELERATION),
+    ),
     "m before the line that the ego enters": (lambda m: stage_changes(m, 20.0), 1.0, 15.0, ENTERING_M),
     "m before the line that it is inside": (lambda m: stage_changes(m, 3.0), -2.0, 3.0, 0.0),
     "s until a delay": (after(EventKind.DELAY, delay=0.0), 0.0, 20.0, DELAY_STEP_S),
@@ -219,9 +224,10 @@ def test_on_the_way_the_pilots_word_turns_over_at(name):
 
 def test_near_a_junction_the_others_are_foreseen_anew_sooner_than_far_from_it_and_not_at_all_where_nobody_comes():
     far, near = (ego_at("four_way_priority", SOUTH_NORTH, away, 8.0) for away in (60.0, 30.0))
+    approaching = far.remembering(behaviour=Behaviour.CAUTIOUS)
     foe = far.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
-    assert (trusts_for(far, foe), trusts_for(near, foe)) == pytest.approx((TRUST_AHEAD_S, TRUST_S))
-    assert trusts_for(near) == float("inf")
+    assert (trusts_for(approaching, foe), trusts_for(near, foe)) == pytest.approx((TRUST_AHEAD_S, TRUST_S))
+    assert trusts_for(far, foe) == trusts_for(near) == float("inf")
 
 
 @pytest.mark.parametrize(("way", "escapes"), [(PROGRESS_M - 0.1, 2), (PROGRESS_M + 0.1, 0), (-PROGRESS_M - 0.1, 0)])
@@ -248,14 +254,14 @@ def test_a_decision_is_confirmed_while_the_code_asks_a_moving_ego_for_the_same()
     foe = ego.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
     held, memory = first(ego, foe)
     later = ego.seen(ego.later(foe, 0.4))._replace(time=100.4)
-    ahead = passages_ahead(ego.graph, ego.plan, later.passages)
-    found = confirm(later, ahead, held, memory, CAR)
+    view = view_of(later, ego.plan, CAR, passages_ahead(ego.graph, ego.plan, later.passages))
+    found = confirm(view, held, memory)
     assert found is not None and found.premises is not None and memory.premises is not None
     assert (found.premises.time, found.premises.trusted_until) == pytest.approx((100.4, 100.4 + TRUST_S))
     kept = memory.premises._replace(time=100.4, trusted_until=found.premises.trusted_until)
     assert found == memory._replace(premises=kept._replace(speeds=found.premises.speeds))
-    assert confirm(ego.seen()._replace(time=100.4), ahead, held, memory, CAR) is None
-    assert confirm(later, ahead, held, memory._replace(premises=None), CAR) is None
+    assert confirm(view._replace(snapshot=ego.seen()._replace(time=100.4)), held, memory) is None
+    assert confirm(view, held, memory._replace(premises=None)) is None
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,8 @@ from sumo_reactive.driver.parameters import (
     LANE_CHANGE_LOOK_AHEAD_S,
 )
 from sumo_reactive.driver.path.planner import PlanStart, plan
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging, seek_gap, seeks
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
+from sumo_reactive.driver.pilot.situation import LaneChanging
 from sumo_reactive.driver.world.route import Route
 
 TO_EXIT, ROAD = ("road_before_exit", "exit"), ("road_before_exit", "road_after_exit")

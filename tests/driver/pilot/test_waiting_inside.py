@@ -9,7 +9,7 @@ from helpers.curves import on_curve
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.nouns.decision import StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.parameters import CREEPING_SPEED, FOE_CAN_STOP_DECELERATION, REGION_MARGIN_M
 
 SOUTH_NORTH, SOUTH_WEST = ("from_south", "to_north"), ("from_south", "to_west")
@@ -23,7 +23,7 @@ def turning_left(away: float = 8.0, speed: float = 6.0) -> Situation:
     return ego_at("signalised_left_turns", SOUTH_WEST, away, speed, 1)
 
 
-def stop(ego: Situation, inside: float | None = None) -> StopAt | None:
+def stop(ego: Situation, inside: float | None = None) -> TimeConstraint | None:
     """Where a left turn waits for somebody oncoming; `inside`: its bumper is already so far behind the line."""
     oncoming = ego.other("x", "from_north_0", -25.0, 13.0, ("from_north", "to_south"))
     drive = ego.drive()
