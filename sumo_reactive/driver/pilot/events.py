@@ -92,7 +92,7 @@ def premises_of(
         is_watchful=is_watchful,
         is_settled=is_settled,
         asks=asks,
-        stop_is_near=is_next(snapshot, plan, memory),
+        stop_is_near=is_next(snapshot, plan, ahead, memory),
         asked=rules.gist,
         trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
@@ -143,7 +143,7 @@ def _own(
     found: list[Event] = []
     if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
         found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
-    if not premises.stop_is_near and plan.stops and is_next(snapshot, plan, memory):
+    if not premises.stop_is_near and plan.stops and is_next(snapshot, plan, ahead, memory):
         found.append(Event(EventKind.STOP_AHEAD))
     if not premises.is_seeking and seeks(snapshot, plan):
         found.append(Event(EventKind.LANE_CHANGE))

@@ -37,3 +37,12 @@ def test_a_stop_of_the_route_is_made_where_the_route_says():
 
 def test_who_can_no_longer_stop_before_the_line_goes_on():
     assert moved(3.0, 8.0, -1.0, Reason.NO_GAP) is None
+
+
+def test_of_several_stops_inside_the_nearest_is_the_one_that_is_moved_before_the_line():
+    ego = before("four_way_priority", NORTH, 20.0, 5.0)
+    situation = ego.considered()
+    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    stops = [stop_at(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
+    found = wait_before(way, conflicts, stops, situation.snapshot, situation.memory, situation.limits)
+    assert found == stop_at(ego.line, Reason.NO_GAP, cause="4 m")

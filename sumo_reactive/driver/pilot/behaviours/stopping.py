@@ -8,8 +8,8 @@ from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
 def stop_is_next(situation: Situation) -> bool:
-    """A stop of the route is in reach, and no line lies before it."""
-    return is_next(situation.snapshot, situation.plan, situation.memory)
+    """A stop of the route is in reach, and no line lies before it where the ego drives cautiously."""
+    return is_next(situation.snapshot, situation.plan, situation.ahead, situation.memory)
 
 
 def stop_is_served(situation: Situation) -> bool:

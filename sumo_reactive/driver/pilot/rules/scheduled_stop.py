@@ -10,7 +10,7 @@ from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED, STOP_REACHED_M
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import reach_of
+from sumo_reactive.driver.pilot.passages import Ahead, reach_of
 
 
 def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
@@ -18,12 +18,14 @@ def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
     return next((planned for planned in plan.stops if planned.stop not in memory.served), None)
 
 
-def is_next(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> bool:
-    """Whether a stop of the route is in reach, and the ego comes to no stop line before it."""
+def is_next(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory) -> bool:
+    """Whether a stop of the route is in reach, and the ego comes to no line before it where somebody may cross its path or a
+    light speaks."""
     planned = pending(plan, memory)
     if planned is None or planned.s - snapshot.front > reach_of(snapshot.ego.speed):
         return False
-    return not any(snapshot.front < passage.start < planned.s for passage in plan.passages)
+    lines = (plan.passages[i].start for i, connection, conflicts in ahead if conflicts or connection.light)
+    return not any(snapshot.front < line < planned.s for line in lines)
 
 
 def still_to_serve(plan: NominalPlan, memory: PilotMemory, time: float) -> tuple[PlannedStop, ...]:
