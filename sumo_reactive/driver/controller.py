@@ -147,7 +147,7 @@ class Controller:
         foreseen = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
         view = view_of(snapshot, plan, self.limits, ahead)
-        completed, memory = decide(view, foreseen, events, drive.completed, memory, style)
+        completed, memory = decide(view, foreseen, events, memory, style)
         if completed.request.what is Replanning.TIMES:
             stops = still_to_serve(plan, memory, snapshot.time)
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits, stops)

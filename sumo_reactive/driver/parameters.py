@@ -567,6 +567,10 @@ COLLISION_HORIZON_S = 0.7
 COLLISION_STEP_S = 0.1
 """Time between tested footprints."""
 
+ROLLING_SHARE = 0.35
+"""An ego slows down for a gap that is to open from where this share of the comfortable braking would stop it on: farther
+away the gap before the foe may yet turn out to be enough."""
+
 ROLLING_APPROACH_S = 3.0
 """Time constant with which the ego slows down for a gap that is foreseen to open."""
 

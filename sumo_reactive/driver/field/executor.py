@@ -36,6 +36,7 @@ from sumo_reactive.driver.parameters import (
     HARD_STOP_MARGIN_M,
     PRESSING_GAIN,
     ROLLING_APPROACH_S,
+    ROLLING_SHARE,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
@@ -122,7 +123,8 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
             continue
         away = constraint.s - STOP_LINE_MARGIN_M - front
         asked = stopping_speed(away, comfort, period)
-        if constraint.time < math.inf and has(Mechanism.TIMES):
+        is_near = away * 2.0 * ROLLING_SHARE * comfort < speed * speed
+        if constraint.time < math.inf and is_near and has(Mechanism.TIMES):
             left = constraint.time - snapshot.time
             rolling = cruise_speed(speed, constraint.s - front, left, math.inf, limits.max_acceleration)
             asked = min(asked, _gently(speed, rolling, period))

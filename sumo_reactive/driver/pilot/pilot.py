@@ -33,14 +33,10 @@ from sumo_reactive.driver.pilot.events import premises_of
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import View
-from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest
+from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest, unconditional_stop
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
 from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
-
-_UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
-"""Stops that no assessment can put off."""
-
 
 _SETTLED = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.SCHEDULED_STOP)
 """An ego that stands for one of these need not watch the others."""
@@ -81,18 +77,17 @@ def decide(
     view: View,
     outlook: Outlook,
     events: tuple[Event, ...],
-    held: CompletedPlan | None,
     memory: PilotMemory,
     style: Style,
 ) -> tuple[CompletedPlan, PilotMemory]:
-    """Complete the plan because of `events`; `held` is P⁺ as it was.
+    """Complete the plan because of `events`.
 
-    1. Assess: how does P⁺ end if everybody goes on? 2. Choose the behaviour. 3. Ask the rules that it names. 4. Carry it
+    1. Assess: how does it end if everybody goes on? 2. Choose the behaviour. 3. Ask the rules that it names. 4. Carry it
     out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     snapshot, plan, limits = view.snapshot, view.plan, view.limits
     memory = memory._replace(released=released(snapshot, view.ways, memory))
-    assessment = _assess(view, outlook, held)
+    assessment = _assess(view, outlook, memory)
     changing = _changing(view, outlook, memory)
     x = next_on_way(snapshot)
     situation = Situation(
@@ -156,11 +151,10 @@ def _changing(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging
     return changing
 
 
-def _assess(view: View, outlook: Outlook, held: CompletedPlan | None) -> Assessment:
-    """Simulate going on, up to the stops of P⁺ that nothing can put off; who has to yield and still can is trusted."""
+def _assess(view: View, outlook: Outlook, memory: PilotMemory) -> Assessment:
+    """Simulate going on, up to the stops that nothing can put off; who has to yield and still can is trusted."""
     snapshot, plan = view.snapshot, view.plan
-    stops = () if held is None or held.plan is not plan else held.constraints
-    stop = min((one for one in stops if one.reason in _UNCONDITIONAL), key=lambda one: one.s, default=None)
+    stop = unconditional_stop(view, memory)
     trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
     target = next((c for c in plan.time_constraints if c.s > snapshot.front), None)
     return assess(snapshot, outlook.forecast, plan, stop, target, view.limits, trusted)

@@ -157,6 +157,14 @@ def _own_state(way: Crossing, conflict: Conflict, snapshot: Snapshot, limits: Ve
     return RegionState(conflict.region.id, Occupancy.OWN if held else Occupancy.FREE)
 
 
+def unconditional_stop(view: View, memory: PilotMemory) -> TimeConstraint | None:
+    """Return the first stop that nobody else's doing can put off: at a line, or where the route says (None: none)."""
+    snapshot, limits = view.snapshot, view.limits
+    lines = (stop_line.stop_at_line(way, snapshot, memory, limits)[0] for way in view.ways)
+    stops = (*lines, scheduled_stop.serve(snapshot, view.plan, memory)[0])
+    return min((stop for stop in stops if stop is not None), key=lambda stop: stop.s, default=None)
+
+
 def nearest(waits: tuple[Wait, ...]) -> TimeConstraint | None:
     """Return the first place to stop at."""
     return min((stop for stop, _ in waits), key=lambda stop: stop.s, default=None)

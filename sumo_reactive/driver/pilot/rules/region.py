@@ -104,6 +104,8 @@ def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view
         met = [one for one in left if would_meet(one.own.later(time - soonest), one.foe, one.other, 1.0, may_follow=True)]
         if not met:
             return time
+        if any(one.foe.user.speed < STANDING_SPEED for one in met):
+            return math.inf  # nobody knows when he goes
         time = max(time, *(follows_at(one.own, one.foe, one.other) - (one.own.arrival - soonest) for one in met)) + _SOON_S
         left = [one for one in left if one not in met]
     return math.inf
