@@ -18,7 +18,7 @@ from typing import Any
 
 LONGEST_ORDER = 2**17
 LOADED = (
-    "sumo_reactive.cli.batch_progress", "sumo_reactive.lab.batch.engine", "sumo_reactive.lab.batch.stored_results",
+    "sumo_reactive.lab.batch.engine", "sumo_reactive.lab.batch.stored_results",
     "sumo_reactive.lab.comparison.record", "sumo_reactive.lab.recorder", "sumo_reactive.lab.simulation",
     "sumo_reactive.show.explain", "sumo_reactive.show.reports", "sumo_reactive.sumo.crash",
 )  # fmt: skip

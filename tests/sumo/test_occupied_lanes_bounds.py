@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.parameters import CUT_SEEN_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.sumo import stand_ins as straddling
+from sumo_reactive.sumo import stand_ins
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.stand_ins import OccupiedLane
 
@@ -177,7 +177,7 @@ def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
     plan, s = planned(), front - CAR.front_overhang
     asked = []
     ways = (OffTracking(0.0, 1.0, False, "ab_1"), cut)
-    monkeypatch.setattr(straddling, "off_tracking_of", lambda *of: (asked.append(of), ways)[1])
+    monkeypatch.setattr(stand_ins, "off_tracking_of", lambda *of: (asked.append(of), ways)[1])
     found = cut_in_bend(road, plan, on(lane_id), s, speed, CAR, stop)
     assert (found.id if found else None) == lane
     assert asked == [(plan, road, CAR)]

@@ -37,8 +37,8 @@ def scripted(monkeypatch, there=(), **vehicle):
 
 def test_a_stand_in_departs_at_once_where_it_is_to_be_driven_by_nobody(monkeypatch, net):
     told = scripted(monkeypatch)
-    ghosts = StandIns("ego", ".x")
-    ghosts.show(net.lane("w_0"), 48.0123, 3.0, 5.125, ("w", "e"))
+    stand_ins = StandIns("ego", ".x")
+    stand_ins.show(net.lane("w_0"), 48.0123, 3.0, 5.125, ("w", "e"))
     departure = {"depart": "now", "departLane": "0", "departPos": "25.01", "departSpeed": "5.12"}
     assert told == [
         ("add", NAME, NAME, TYPE, departure),
@@ -48,15 +48,15 @@ def test_a_stand_in_departs_at_once_where_it_is_to_be_driven_by_nobody(monkeypat
         ("moveToXY", NAME, "", -1, pytest.approx(48.0123), pytest.approx(-1.6), pytest.approx(90.0), KEEP_ROUTE_EXACT),
     ]
     assert libsumo.route.told == [("add", NAME, ("w", "e"))]
-    assert ghosts.made == 1
+    assert stand_ins.made == 1
 
 
 def test_its_type_is_the_egos_without_limits_and_without_devices_that_tell_of_it(monkeypatch, net):
     scripted(monkeypatch)
-    ghosts = StandIns("ego", ".x")
+    stand_ins = StandIns("ego", ".x")
     for _ in range(2):
-        ghosts.show(net.lane("w_0"), 48.0, 3.0, 5.0, ("w",))
-        ghosts.hide()
+        stand_ins.show(net.lane("w_0"), 48.0, 3.0, 5.0, ("w",))
+        stand_ins.hide()
     silent = [f"has.{name}.device" for name in ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")]
     assert libsumo.vehicletype.told == [
         ("copy", "car", TYPE),
@@ -83,38 +83,38 @@ def orders(told):
 
 def test_it_is_moved_on_its_roads_and_through_junctions_and_made_anew_elsewhere(monkeypatch, net):
     told = scripted(monkeypatch)
-    ghosts, kinds = StandIns("ego"), []
+    stand_ins, kinds = StandIns("ego"), []
     for name, x, y, edges in (
         ("w_0", 50.0, -1.6, ("w", "e")), (":j_0_0", 99.0, -1.6, ()), ("e_0", 120.0, -1.6, ()), ("n_0", 101.0, 50.0, ("n",)),
         ("n_0", 101.0, 51.0, ()),
     ):  # fmt: skip
-        ghosts.show(net.lane(name), x, y, 5.0, edges)
-        kinds.append((ghosts.made, *orders(told)))
+        stand_ins.show(net.lane(name), x, y, 5.0, edges)
+        kinds.append((stand_ins.made, *orders(told)))
     on, new = ("setSpeed", "moveToXY"), ("add", "setSpeedMode", "setLaneChangeMode", "setSpeed", "moveToXY")
     assert kinds == [(1, *new), (1, *on), (1, *on), (2, "remove", *new), (2, *on)]
 
 
 def test_it_is_removed_once_as_one_that_has_vanished(monkeypatch, net):
     told = scripted(monkeypatch)
-    ghosts = StandIns("ego")
-    ghosts.hide()
+    stand_ins = StandIns("ego")
+    stand_ins.hide()
     assert told == []
-    ghosts.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
+    stand_ins.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
     told.clear()
-    ghosts.hide()
-    ghosts.hide()
+    stand_ins.hide()
+    stand_ins.hide()
     assert told == [("remove", "reactive.ghost.ego.1", 3)]
 
 
 @pytest.mark.parametrize("order", ["setSpeed", "moveToXY", "add"])
 def test_one_that_sumo_does_not_take_is_given_up_until_the_next_step(monkeypatch, net, order):
     scripted(monkeypatch, **{order: libsumo.TraCIException("not known")})
-    ghosts = StandIns("ego")
+    stand_ins = StandIns("ego")
     for made in (1, 2):
-        ghosts.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
-        assert ghosts.made == made
+        stand_ins.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
+        assert stand_ins.made == made
     libsumo.vehicle.told.clear()
-    ghosts.hide()
+    stand_ins.hide()
     assert libsumo.vehicle.told == []
 
 
@@ -127,11 +127,11 @@ def test_one_that_sumo_does_not_take_is_given_up_until_the_next_step(monkeypatch
 def test_one_that_waits_appears_where_its_body_of_5_m_touches_nobodys(monkeypatch, net, front, length, is_taken, far):
     """On w_0, whose 96 m SUMO counts as 50: its front is at 48 m, which are 25."""
     scripted(monkeypatch, (*far, ("other", (front, length))))
-    ghosts = StandIns("ego")
-    ghosts.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",), waits=True)
-    assert ghosts.made == (0 if is_taken else 1)
-    ghosts.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",))
-    assert ghosts.made == 1
+    stand_ins = StandIns("ego")
+    stand_ins.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",), waits=True)
+    assert stand_ins.made == (0 if is_taken else 1)
+    stand_ins.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",))
+    assert stand_ins.made == 1
     libsumo.vehicle.told.clear()
-    ghosts.show(net.lane("w_0"), 49.0, -1.6, 5.0, ("w",), waits=True)  # there is one: it stays, whoever else is there
+    stand_ins.show(net.lane("w_0"), 49.0, -1.6, 5.0, ("w",), waits=True)  # there is one: it stays, whoever else is there
     assert orders(libsumo.vehicle.told) == ["setSpeed", "moveToXY"]

@@ -156,7 +156,7 @@ delay 0.00 on 100.00 0
 """,
     no_room_behind: """
 CAUTIOUS: STOP, YIELD
-stop at 0.00 until 102.78 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
+stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
 tuned 10.00 1.00 1.00
 CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
 - arrival_s 2.61 clearance_s 3.51 foe_arrival_s 0.00 foe_clearance_s 12.00

@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Queue, Queued
-from sumo_reactive.driver.nouns.plan import Move, Turnaround, WayBeside
+from sumo_reactive.driver.nouns.plan import Move, ParallelLane, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
@@ -115,7 +115,7 @@ def lights() -> Situation:
     return replace(ego, plan=replace(ego.plan, joins=0.0, lane_changes=()))
 
 
-WAY = WayBeside("from_south_1", "from_south_0", -1, 1.0)
+WAY = ParallelLane("from_south_1", "from_south_0", -1, 1.0)
 
 
 def queued(ahead: float, speed: float = 0.0, waiting: float = 60.0) -> Queued:

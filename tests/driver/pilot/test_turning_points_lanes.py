@@ -9,7 +9,7 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.nouns.snapshot import Cut, Neighbour
+from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
     CALL_OFF_SHARE,
@@ -72,7 +72,7 @@ def cutting(start: float, ahead: float, other: float, waited: float = 0.0, speed
     """What an ego does that will cut into the lane beside in `start` m, with somebody there."""
     ego = ego_at("multi_lane_road", ROAD, 380.0, speed)
     seen, user = ego.seen(), ego.other("x", "road_before_exit_1", 50.0, other, ROAD)
-    cut = Cut(seen.front + start, seen.front + start + 10.0, True, "road_before_exit_1")
+    cut = OffTracking(seen.front + start, seen.front + start + 10.0, True, "road_before_exit_1")
     return seek_gap(seen._replace(cut=cut, neighbours=(Neighbour(user, ahead),)), ego.plan, CAR, waited)
 
 
