@@ -73,7 +73,7 @@ def cutting(start: float, ahead: float, other: float, waited: float = 0.0, speed
     ego = ego_at("multi_lane_road", ROAD, 380.0, speed)
     seen, user = ego.seen(), ego.other("x", "road_before_exit_1", 50.0, other, ROAD)
     cut = OffTracking(seen.front + start, seen.front + start + 10.0, True, "road_before_exit_1")
-    return seek_gap(seen._replace(cut=cut, neighbours=(Neighbour(user, ahead),)), ego.plan, CAR, waited)
+    return seek_gap(seen._replace(off_tracking=cut, neighbours=(Neighbour(user, ahead),)), ego.plan, CAR, waited)
 
 
 def cuts_behind(waited: float, start: float = 30.0, other: float = 12.0, speed: float = 10.0) -> Holds:
