@@ -12,7 +12,7 @@ from typing import IO
 
 from sumo_reactive.errors import InputError, ScenarioError
 
-MOST_BYTES = 2**32
+_MOST_BYTES = 2**32
 """More than this is read from no file, packed or not."""
 
 _PART_BYTES = 2**24
@@ -26,7 +26,7 @@ _KINDS = (
 )
 
 
-def content_of(path: Path, error: type[InputError] = ScenarioError, most: int = MOST_BYTES) -> bytes:
+def content_of(path: Path, error: type[InputError] = ScenarioError, most: int = _MOST_BYTES) -> bytes:
     """Return what a file holds, unpacked if it is gzipped; raise `error` for what is no file of at most `most` bytes.
 
     A pipe or device is not waited for.
@@ -52,7 +52,7 @@ def content_of(path: Path, error: type[InputError] = ScenarioError, most: int = 
     return data
 
 
-def text_of(path: Path, error: type[InputError] = ScenarioError, most: int = MOST_BYTES) -> str:
+def text_of(path: Path, error: type[InputError] = ScenarioError, most: int = _MOST_BYTES) -> str:
     """Return the text in a file, which is UTF-8; raise what `content_of` raises."""
     try:
         return content_of(path, error, most).decode("utf-8-sig")

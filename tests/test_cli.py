@@ -3,21 +3,15 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from helpers.programs import ROOT, started_anew, sumo_reactive
 
-ROOT = Path(__file__).parents[1]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 
 
-def sumo_reactive(*arguments, cwd=None):
-    command = [sys.executable, "-m", "sumo_reactive", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=300, cwd=cwd, check=False)
-
-
 def test_the_version_is_told():
-    answer = sumo_reactive("--version")
+    answer = started_anew("--version")
     assert (answer.returncode, answer.stdout.split()[0]) == (0, "sumo-reactive")
 
 
@@ -76,7 +70,7 @@ def test_bad_input_gets_one_line_and_exit_code_2_and_leaves_nothing(tmp_path, ar
 
 def test_a_scenario_is_driven_judged_and_recorded(tmp_path):
     out = tmp_path / "out"
-    answer = sumo_reactive("run", FOUR_WAY, "--out", out, "--", "--tripinfo-output", tmp_path / "trips.xml")
+    answer = started_anew("run", FOUR_WAY, "--out", out, "--", "--tripinfo-output", tmp_path / "trips.xml")
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "arrived without a violation" in answer.stdout
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
@@ -115,7 +109,7 @@ def yields(recording):
 
 
 def test_explain_tells_to_whom_the_ego_yields_where_and_when(recording):
-    answer = sumo_reactive("explain", recording)
+    answer = started_anew("explain", recording)
     assert (answer.returncode, answer.stderr) == (0, "")
     told = answer.stdout.splitlines()
     assert told[0].endswith("four_way_priority.toml: arrived without a violation.")

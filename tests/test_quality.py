@@ -15,6 +15,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "sumo_reactive"
 TOOLS = ROOT / "tools"
+TIDY = ("cli", "show", "sumo", "errors.py", "files.py", "writing.py", "pytest_plugin.py", "__main__.py")
+"""What of the package keeps to the sizes below, and to names of its own."""
+
+MOST_LINES, MOST_PARAMETERS = 40, 6
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|tmp|work|mnt|var|Users)/\w")
 """The beginnings of paths that exist on one machine only."""
 
@@ -52,6 +56,36 @@ def undocumented(file: Path) -> Iterator[str]:
             yield f"{file.relative_to(ROOT)}:{node.lineno}: {node.name}"
 
 
+def functions_of(file: Path) -> Iterator[ast.FunctionDef]:
+    """Yield every function of a file, also those inside of others."""
+    yield from (node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, ast.FunctionDef))
+
+
+def parameters_of(function: ast.FunctionDef) -> int:
+    """Return how many parameters a caller has to think of; those of a command are its options, which nobody calls."""
+    if any("app.command" in ast.unparse(decorator) for decorator in function.decorator_list):
+        return 0
+    told = function.args
+    names = [one.arg for one in (*told.posonlyargs, *told.args, *told.kwonlyargs)]
+    return len(names) - (names[:1] in (["self"], ["cls"]))
+
+
+def names_of(file: Path) -> Iterator[str]:
+    """Yield the public names that a module defines: classes, functions, constants, types; every program has a `main`."""
+    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+            names = [node.name]
+        else:
+            targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+            names = [one.id for target in targets if target for one in ast.walk(target) if isinstance(one, ast.Name)]
+        yield from (name for name in names if not name.startswith("_") and name != "main")
+
+
+def tidy_files() -> list[Path]:
+    """Return the files of the package that keep to sizes and names."""
+    return [file for one in TIDY for file in (sorted((PACKAGE / one).rglob("*.py")) or [PACKAGE / one])]
+
+
 def _public(parent: ast.Module | ast.ClassDef) -> Iterator[ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef]:
     for node in parent.body:
         if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and not node.name.startswith("_"):
@@ -80,3 +114,22 @@ def test_every_public_name_has_a_docstring():
 def test_no_file_holds_a_path_of_one_machine():
     found = [(file.relative_to(ROOT), match[0]) for file in tracked_files() if (match := MACHINE_PATH.search(text_of(file)))]
     assert found == []
+
+
+def test_a_function_fits_a_screen():
+    found = [(file.name, one.name, one.end_lineno - one.lineno + 1) for file in tidy_files() for one in functions_of(file)]
+    assert [one for one in found if one[2] > MOST_LINES] == []
+
+
+def test_a_function_takes_no_more_than_a_reader_can_hold():
+    found = [(file.name, one.name, parameters_of(one)) for file in tidy_files() for one in functions_of(file)]
+    assert [one for one in found if one[2] > MOST_PARAMETERS] == []
+
+
+def test_a_public_name_means_one_thing_in_the_package():
+    places: dict[str, list[str]] = {}
+    for file in PACKAGE.rglob("*.py"):
+        for name in set(names_of(file)):
+            places.setdefault(name, []).append(str(file.relative_to(PACKAGE)))
+    tidy = {str(file.relative_to(PACKAGE)) for file in tidy_files()}
+    assert {name: found for name, found in places.items() if len(found) > 1 and tidy & set(found)} == {}

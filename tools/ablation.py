@@ -33,9 +33,10 @@ from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.errors import InputError
-from sumo_reactive.lab.runner import Ending, Runner
+from sumo_reactive.lab.runner import Runner
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_trial
+from sumo_reactive.lab.task import Ending
 
 ROOT = Path(__file__).resolve().parent.parent
 TIMEOUT_S = 600.0
@@ -77,30 +78,25 @@ def _out(mechanism: Mechanism, **parameters: float) -> dict[str, float]:
 ABLATIONS = (
     Ablation("argmin", "argmin of U (§3.2)", _out(Mechanism.MINIMUM), "U ≡ 0: the first command that passes the tests."),
     Ablation("u1", "U₁ (§3.3.1)", _out(Mechanism.VALLEY)),
-    Ablation(
-        "u2",
-        "U₂ (§3.3.2)",
-        _out(Mechanism.SHADOW),
-        "Who is in the ego's way is a leader first, and over speed its slope is 0.3/δ against 1 of U₃.",
-    ),
+    Ablation("u2", "U₂ (§3.3.2)", _out(Mechanism.SHADOW), "The ego then stays on C beside whomever it passes."),
     Ablation("u3", "U₃ (§3.3.3)", _out(Mechanism.VELOCITY)),
     Ablation(
         "beta",
         "β, static obstacles (§3.3.1)",
         {"VALLEY_REPULSION": 0.0},
-        "U₁ is least on C whatever β is, and the ego is on C.",
+        "On C U₁ is least whatever β is: it counts while the ego leans towards a border or somebody parked.",
     ),
-    Ablation("rear", "rear control point R (§3.3.1)", None, "The default profile has F alone, the paper's has both."),
-    Ablation("times", "(l, t_l) in v_d (§3.3.3)", _out(Mechanism.TIMES), "Planned times are the earliest: they never bind."),
+    Ablation("rear", "rear control point R (§3.3.1)", None, "R is towed: off C_R by no more than F was off C."),
+    Ablation("times", "(l, t_l) in v_d (§3.3.3)", _out(Mechanism.TIMES), "Gaps are then met standing."),
     Ablation(
         "delays",
         "Δt shifted or planned anew (§2)",
         _out(Mechanism.DELAYS),
         "Constraints once missed stay missed and activate the pilot at every step; it drives the same.",
     ),
-    Ablation("failure", "assessment: FAILURE (§2)", _out(Mechanism.FAILURE), "It is told and recorded, but no rule asks."),
+    Ablation("failure", "assessment: FAILURE (§2)", _out(Mechanism.FAILURE), "Nothing then asks who gives way."),
     Ablation("late", "assessment: late (§2)", {"EXCESSIVE_DELAY_S": 1e9}),
-    Ablation("behaviours", "five behaviours (§2)", _out(Mechanism.BEHAVIOURS), "Stops come from the rules all the same."),
+    Ablation("behaviours", "five behaviours (§2)", _out(Mechanism.BEHAVIOURS), "Normal driving asks no rule."),
     Ablation("tuning", "instructions tune w and v_d (§2)", _out(Mechanism.TUNING)),
     Ablation("room_behind", "post-conflict region (§2.1)", _out(Mechanism.ROOM_BEHIND)),
     Ablation("graph", "labelled graph (§2.1)", _out(Mechanism.GRAPH)),
@@ -254,6 +250,14 @@ def _kinds(folder: Path) -> Iterator[tuple[str, Scenario]]:
     yield _kind(k, folder, "bicycles beside", beside, bikes, k.car("ego", "ab", 9, departLane=1))
     wall = k.element("poly", id="wall", type="obstacle", shape="150,-3.4 154,-3.4 154,-2.7 150,-2.7", fill=1, color="red")
     yield _kind(k, folder, "wall beside", k.road(300), k.car("ego", "ab"), extra=wall)
+    contra = k.element("lane", index=0, disallow="bicycle") + k.element("lane", index=1, allow="bicycle", width=1.6)
+    between = k.Net(k.node("a", 0, 0) + k.node("b", 300, 0), k.edge("ab", contra, numLanes=2))
+    bay = k.element("parkingArea", id="bay", lane="ab_0", startPos=100, endPos=160, roadsideCapacity=8, width=2)
+    halt = k.element("stop", parkingArea="bay", duration=900)
+    parked = k.stream("p", "ab", [0] * 8, departPos="stop", departSpeed=0, stops=halt)
+    bikes = k.stream("b", "ab", [0, 2, 4, 6, 8], type="bike", departLane=1, departPosLat="right", departPos=60)
+    ego = k.car("ego", "ab", 3, departLane=0)
+    yield _kind(k, folder, "bicycles and parked cars beside", between, parked, bikes, ego, extra=bay)
     halts = k.car("x", "ab", 0, k.stop("ab_0", 160, duration=10000), departPos=10, departSpeed=5)
     yield _kind(k, folder, "too near to pass", k.road(320, numLanes=2), halts, k.car("ego", "ab", 1.2, departLane=0))
     jam = k.standing("jam", "ce", "ce_0", 5.5, 30)
@@ -329,7 +333,7 @@ def _clearance(scene: Scene) -> float:
     reach = sum(EGO_SIZE) + CLEAR_M
     near = (
         user
-        for user in scene.users
+        for user in (*scene.users, *scene.beside)  # who is parked is on no lane: only the second hold him
         if math.hypot(user.x - step.x, user.y - step.y) < reach + user.body.length + user.body.width
     )
     bodies = (Footprint(user.x, user.y, user.heading, user.body.length, user.body.width) for user in near)

@@ -26,8 +26,7 @@ import sumolib
 
 from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.driver.world.junction import Connection, Junction, Turn
-from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
+from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import RawNet, parse
 from sumo_reactive.sumo.net_reader import read_net

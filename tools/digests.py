@@ -34,9 +34,10 @@ from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.errors import InputError, ScenarioError
 from sumo_reactive.lab.recorder import COLUMNS
-from sumo_reactive.lab.runner import Ending, Runner
+from sumo_reactive.lab.runner import Runner
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_trial
+from sumo_reactive.lab.task import Ending
 from sumo_reactive.lab.trace import Entry, entries, line_of
 
 ROOT = Path(__file__).resolve().parent.parent

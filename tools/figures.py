@@ -6,8 +6,8 @@
 `model`: the car-like vehicle (F&L 1991, §3.1, figure 2). `shadow`: the shadow R_D and the potential U_D of a moving
 obstacle (§3.3.2, figure 3). `valley`: U₁ of a curve C that the planner made (§3.3.1). `figure4`: four moments of
 scenarios/figure4.toml (§4, figure 4). Without a name all are drawn. Nothing is sketched: poses come from `advance_pose`,
-δ from `shadow_distance`, fields from `shadow_potential`, `shadow_sum` and `valley_map`, moments from the record of a run.
-Needs matplotlib. The same versions draw the same bytes.
+δ from `shadow_distance`, fields from `shadow_potential`, `foreseen_potential` and `valley_map`, moments from the record of a
+run. Needs matplotlib. The same versions draw the same bytes.
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ from matplotlib.patches import Arc, Patch, Polygon
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.field.shadow import corners_of, shadow_distance, shadow_potential, shadow_sum
-from sumo_reactive.driver.field.valley import taxicab_to_points, valley_potential
+from sumo_reactive.driver.field.foreseen_shadow import foreseen_potential, foreseen_shadows
+from sumo_reactive.driver.field.shadow import corners_of, shadow_distance, shadow_potential
+from sumo_reactive.driver.field.valley import least_to_static, valley_potential
 from sumo_reactive.driver.field.valley_map import ValleyMap, map_potential, valley_map
 from sumo_reactive.driver.geometry.curve import Curve, project_on_curve
 from sumo_reactive.driver.geometry.footprint import Footprint, boxes_overlap
@@ -51,7 +52,6 @@ from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
     PAPER_CONTROL_PERIOD_S,
-    SHADOW_HORIZON_M,
     SHADOW_SCALE,
     STANDING_SPEED,
     VALLEY_ATTRACTION,
@@ -790,12 +790,13 @@ def _potential(shot: Shot, x: float, y: float, boxes: Array, corners: Array, sta
             return math.nan
     rear = Pose(*_in_world(Pose(x, y, heading), 0.5 * limits.length - limits.front_to_rear_axle, 0.0), heading)
     fx, fy = _in_world(rear, limits.wheelbase, 0.0)
-    _, d = project_on_curve(fx, fy, curve.x, curve.y, curve.step, guess, FIELD_GUESS_M)
-    u1 = valley_potential(abs(d), taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
-    u2 = shadow_sum(
-        rear.x, rear.y, heading, shot.step.speed, limits.front_to_rear_axle, limits.length - limits.front_to_rear_axle,
-        limits.width, boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M,
-    )  # fmt: skip
+    at, d = project_on_curve(fx, fy, curve.x, curve.y, curve.step, guess, FIELD_GUESS_M)
+    along = curve.x, curve.y, curve.heading, curve.step, at
+    body = 0.5 * limits.width, limits.front_overhang, limits.length - limits.front_overhang
+    left, right = least_to_static(static, *along, *body)
+    u1 = valley_potential(abs(d), min(left - d, right + d), VALLEY_ATTRACTION, VALLEY_REPULSION)
+    room = np.full(2, np.inf)
+    u2 = foreseen_potential(foreseen_shadows(boxes, shot.step.speed, *body, *along, room), d, np.full(2, np.inf))
     return float(weights.valley * u1 + weights.shadow * u2)
 
 

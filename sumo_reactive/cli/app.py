@@ -1,20 +1,23 @@
-"""What the commands share: the application they register with, progress and notes on the terminal."""
+"""What the commands share: the application they register with, options, progress, notes and tables on the terminal."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from sumo_reactive import __version__
 
-Progress = Callable[[float, str], None]
+if TYPE_CHECKING:
+    from sumo_reactive.lab.scenario import Scenario
+    from sumo_reactive.sumo.session import Progress
 
-COMPILING_NOTE = "compiling the kernels once (about 20 s)…"
-COMPILING_ALWAYS_NOTE = (
+_COMPILING = "compiling the kernels once (about 20 s)…"
+_COMPILING_ALWAYS = (
     "compiling the kernels (about 20 s), for this run alone: others can write to what leads to XDG_CACHE_HOME or ~/.cache…"
 )
 
@@ -32,12 +35,17 @@ def _common(version: Annotated[bool, typer.Option("--version", callback=_show_ve
     """Drive a car in SUMO after Fraichard & Laugier (1991): symbolic pilot, potential-field executor."""
 
 
+def with_options(scenario: Scenario, **given: Any) -> Scenario:
+    """Return the scenario with what the command line says in place of what the file says; None: it says nothing."""
+    return replace(scenario, **{name: value for name, value in given.items() if value is not None})
+
+
 def note_compiling() -> None:
     """Say so if the kernels are about to be compiled."""
     from sumo_reactive.driver.compilation import is_cached, is_kept
 
     if not is_cached():
-        typer.echo(COMPILING_NOTE if is_kept() else COMPILING_ALWAYS_NOTE, err=True)
+        typer.echo(_COMPILING if is_kept() else _COMPILING_ALWAYS, err=True)
 
 
 @contextmanager
@@ -54,13 +62,42 @@ def figures_kept(quiet: bool, show: Callable[[], None]) -> Iterator[None]:
 
 
 @contextmanager
-def progress_shown(quiet: bool) -> Iterator[Progress | None]:
-    """Give a function that shows simulation time and a text on the terminal; None where nobody looks."""
+def status_shown(quiet: bool, first: str) -> Iterator[Callable[[str], None] | None]:
+    """Give a function that replaces the text `first` on the terminal; None where nobody looks."""
     if quiet or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
     from rich.text import Text
 
-    with Console(stderr=True).status("starting SUMO") as status:
-        yield lambda time, text: status.update(Text(f"{time:8.1f} s  {text}"))
+    with Console(stderr=True).status(first) as status:
+        yield lambda text: status.update(Text(text))
+
+
+@contextmanager
+def progress_shown(quiet: bool) -> Iterator[Progress | None]:
+    """Give a function that shows simulation time and a text on the terminal; None where nobody looks."""
+    with status_shown(quiet, "starting SUMO") as show:
+        yield None if show is None else lambda time, text: show(f"{time:8.1f} s  {text}")
+
+
+def show_table(rows: Sequence[Sequence[str]], head: Sequence[str] = (), title: str = "") -> None:
+    """Print rows in columns, as a table on a terminal; below a head all but the first stand right."""
+    lines = [head, *rows] if head else rows
+    sides = ["<", *(">" if head else "<" for _ in rows[0][1:])]
+    if not sys.stdout.isatty():
+        wide = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        for line in lines:
+            cells = (f"{cell:{side}{width}}" for cell, side, width in zip(line, sides, wide, strict=True))
+            typer.echo("  ".join(cells).rstrip())
+        return
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(title) if title else None, show_header=bool(head))
+    for name, side in zip(head or [""] * len(sides), sides, strict=True):
+        table.add_column(name, justify="left" if side == "<" else "right")
+    for row in rows:
+        table.add_row(*map(Text, row), style="bold" if row[0] == "verdict" else None)
+    Console().print(table)

@@ -10,9 +10,7 @@ import typer
 from sumo_reactive.cli.app import app, note_compiling
 
 if TYPE_CHECKING:
-    from sumo_reactive.lab.check import Case, Verdict
-
-DEFAULT_LIMIT_S = 600.0
+    from sumo_reactive.lab.check import Verdict
 
 
 @app.command()
@@ -20,7 +18,7 @@ def check(
     paths: Annotated[list[Path], typer.Argument(metavar="PATH...", help="scenario .toml files, or folders that hold some")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="write the verdicts as JUnit XML")] = None,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="processes to run at the same time")] = 1,
-    time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = DEFAULT_LIMIT_S,
+    time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = 600.0,
 ) -> int:
     """Run every scenario with every seed it names, and tell what of its expectations was not met."""
     from sumo_reactive.lab.check import cases_of, run_cases
@@ -32,43 +30,32 @@ def check(
 
         require_writable(junit)
     note_compiling()
+    width = max(len(case.name) for case in cases)
     verdicts = []
     for verdict in run_cases(cases, jobs, time_limit):
-        typer.echo(_line(verdict, _width(cases)))
+        typer.echo(_line(verdict, width))
         verdicts.append(verdict)
     return _conclude(verdicts, junit)
 
 
+def _line(verdict: Verdict, width: int) -> str:
+    result = verdict.outcome.result
+    if verdict.is_met and result is not None:
+        return f"met     {verdict.case.name:<{width}}  {result.duration_s:.1f} s driven in {verdict.outcome.wall_s:.1f} s"
+    return f"FAILED  {verdict.case.name:<{width}}  {'; '.join(verdict.reasons)}"
+
+
 def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
     """Tell about the failed cases, write the file asked for, and return the exit code."""
-    told = [(verdict, _told(verdict)) for verdict in verdicts]
+    from sumo_reactive.lab.check import write_junit
+    from sumo_reactive.show.faults import failure_told
+
+    told = [(verdict, "" if verdict.is_met else "\n".join(failure_told(verdict))) for verdict in verdicts]
     for verdict, text in told:
         if text:
             typer.echo("\n" + "\n".join((verdict.case.name, *(f"  {line}" for line in text.splitlines()))))
     met = sum(verdict.is_met for verdict in verdicts)
     typer.echo(f"\n{met} of {len(verdicts)} met")
     if junit is not None:
-        from sumo_reactive.lab.check import write_junit
-
         write_junit(junit, told)
     return 0 if met == len(verdicts) else 1
-
-
-def _told(verdict: Verdict) -> str:
-    if verdict.is_met:
-        return ""
-    from sumo_reactive.show.faults import failure_told
-
-    return "\n".join(failure_told(verdict))
-
-
-def _line(verdict: Verdict, width: int) -> str:
-    result = verdict.outcome.result
-    took = f"{verdict.outcome.wall_s:.1f} s"
-    if verdict.is_met and result is not None:
-        return f"met     {verdict.case.name:<{width}}  {result.duration_s:.1f} s driven in {took}"
-    return f"FAILED  {verdict.case.name:<{width}}  {'; '.join(verdict.reasons)}"
-
-
-def _width(cases: list[Case]) -> int:
-    return max(len(case.name) for case in cases)

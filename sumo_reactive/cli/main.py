@@ -1,20 +1,28 @@
-"""From arguments to an exit code: every error of the user becomes one line."""
+"""From arguments to an exit code: every error of the user, and a request to stop, becomes one line."""
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
+import time as clock
 import traceback
-from typing import NoReturn
+from types import FrameType
+from typing import Any, NoReturn
 
 import typer
 
 from sumo_reactive.cli.app import app
-from sumo_reactive.cli.interrupts import Interrupts
 from sumo_reactive.errors import ReactiveError
 
-USAGE_ERROR, OUT_OF_MEMORY, INTERNAL_ERROR, INTERRUPTED = 2, 3, 70, 130
+_USAGE_ERROR, _OUT_OF_MEMORY, _INTERNAL_ERROR, _INTERRUPTED = 2, 3, 70, 130
 
-UsageErrors: tuple[type[Exception], ...] = typer.BadParameter.__bases__
+_PATIENCE_S = 3.0
+"""So long after a request others are taken for the same one: what cleans up is not cut short by a second key."""
+
+_REQUESTS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+_UsageErrors: tuple[type[Exception], ...] = typer.BadParameter.__bases__
 """Click's `UsageError`, which some releases of typer bring along and others import."""
 
 
@@ -27,9 +35,9 @@ def main() -> NoReturn:
         split = arguments.index("--") if "--" in arguments else len(arguments)
         code = _exit_code(arguments[:split], arguments[split + 1 :], interrupts)
     except KeyboardInterrupt:
-        code = INTERRUPTED
+        code = _INTERRUPTED
     interrupts.end()
-    raise SystemExit(_fail("interrupted", code) if code == INTERRUPTED else code)
+    raise SystemExit(_fail("interrupted", code) if code == _INTERRUPTED else code)
 
 
 def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interrupts) -> int:
@@ -37,21 +45,58 @@ def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interr
         return int(app(args=arguments, prog_name="sumo-reactive", standalone_mode=False, obj=sumo_options) or 0)
     except ReactiveError as error:
         return _fail(str(error), error.exit_code)
-    except UsageErrors as error:
+    except _UsageErrors as error:
         message = getattr(error, "format_message", error.__str__)()
         asked = getattr(getattr(error, "ctx", None), "command_path", "sumo-reactive")
-        return _fail(f"{message} (see {asked} --help)", USAGE_ERROR)
+        return _fail(f"{message} (see {asked} --help)", _USAGE_ERROR)
     except MemoryError:
-        return _fail("out of memory", OUT_OF_MEMORY)
+        return _fail("out of memory", _OUT_OF_MEMORY)
     except Exception as error:
         if interrupts.requested:
-            return INTERRUPTED
+            return _INTERRUPTED
         if isinstance(error, OSError) and error.strerror:
-            return _fail(": ".join(str(part) for part in (error.filename, error.strerror) if part), USAGE_ERROR)
+            return _fail(": ".join(str(part) for part in (error.filename, error.strerror) if part), _USAGE_ERROR)
         traceback.print_exc()
-        return _fail("internal error, please report it with the lines above", INTERNAL_ERROR)
+        return _fail("internal error, please report it with the lines above", _INTERNAL_ERROR)
 
 
 def _fail(message: str, code: int) -> int:
     typer.echo(f"sumo-reactive: {' '.join(message.split())}", err=True)
     return code
+
+
+class Interrupts:
+    """Turns the first request into a `KeyboardInterrupt` in the main thread; tells whether there was one.
+
+    What is compiled or called back from other languages may swallow it: then the request is known nevertheless.
+    """
+
+    def __init__(self) -> None:
+        self.requested = False
+        self._last = 0.0
+        self._before: dict[int, Any] = {}
+
+    def listen(self) -> None:
+        """Take requests from now on; those that the caller's process ignores stay ignored."""
+        if threading.current_thread() is not threading.main_thread():
+            return
+        for number in _REQUESTS:
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                self._before[number] = signal.signal(number, self._interrupt)
+
+    def end(self) -> None:
+        """Leave further requests to whoever took them before.
+
+        Where an interrupt was raised within an `exec`, as class decorators use it, the interpreter ends by killing itself
+        instead of with the exit code, unless it executes something after that.
+        """
+        exec("")
+        for number, before in self._before.items():
+            signal.signal(number, before)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        before, self._last = self._last, clock.monotonic()
+        if self.requested and self._last - before < _PATIENCE_S:
+            return
+        self.requested = True
+        raise KeyboardInterrupt

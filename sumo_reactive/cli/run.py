@@ -1,23 +1,31 @@
-"""`sumo-reactive run`: one trip, judged."""
+"""`sumo-reactive run`: one trip, or those of several egos at once, judged."""
 
 from __future__ import annotations
 
 import json
 import os
 import sys
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sumo_reactive.cli.app import app, figures_kept, note_compiling, progress_shown
+from sumo_reactive.cli.app import app, figures_kept, note_compiling, progress_shown, show_table, with_options
 
 if TYPE_CHECKING:
-    from sumo_reactive.lab.recorder import Recorder
-    from sumo_reactive.lab.result import TrialResult
+    from sumo_reactive.lab.egos import EgoRule
+    from sumo_reactive.lab.result import FleetResult, TrialResult
     from sumo_reactive.lab.scenario import Scenario
+
+
+_EGOS_SHOWN = 20
+"""Egos that are listed at most, those with a fault if there are any; all are in the record."""
+
+_PLAIN_WIDTH = 120
+"""Columns of the list where no terminal says how many there are."""
 
 
 class ProfileName(StrEnum):
@@ -56,25 +64,20 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print the verdict only")] = False,
 ) -> int:
     """Let the ego drive to its goal in a SUMO scenario, and judge the trip; or several egos at once."""
-    from sumo_reactive.cli.fleet import asked_for, run_several
-    from sumo_reactive.lab.recorder import Recorder
+    from sumo_reactive.driver.controller import Profile
+    from sumo_reactive.driver.pilot.schedule import Delays
     from sumo_reactive.lab.scenario import load_scenario
 
     scenario = load_scenario(config)
     _start_with_parameters(scenario)
     named = ego or []
-    scenario = _with_options(scenario, named[0] if len(named) == 1 else None, seed, step_length, profile, delays, until)
-    scenario = replace(scenario, until_end=until_end, sumo_options=tuple(context.obj or ()))
-    several = asked_for(scenario, named, ego_type or [], ego_probability)
-    if several:
-        return run_several(scenario, several, out, overwrite, quiet)
-    recorder = Recorder(out, overwrite=overwrite) if out else None
-    result = _drive(scenario, recorder, quiet)
-    _show(result, quiet)
-    if recorder:
-        with figures_kept(quiet, lambda: _show(result, False)):
-            recorder.write(result)
-    return result.exit_code
+    scenario = with_options(
+        scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
+        profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end,
+        sumo_options=tuple(context.obj or ()),
+    )  # fmt: skip
+    rule = _rule(scenario, named, ego_type or [], ego_probability)
+    return _drive(scenario, rule, out, overwrite, quiet)
 
 
 def _start_with_parameters(scenario: Scenario) -> None:
@@ -88,39 +91,37 @@ def _start_with_parameters(scenario: Scenario) -> None:
         os.execv(sys.executable, [sys.executable, "-m", "sumo_reactive", *sys.argv[1:]])
 
 
-def _with_options(
-    scenario: Scenario,
-    ego: str | None,
-    seed: int | None,
-    step_length: float | None,
-    profile: ProfileName | None,
-    delays: DelaysName | None,
-    until: float | None,
-) -> Scenario:
-    """Return the scenario with what the command line says in place of what the file says."""
-    from sumo_reactive.driver.controller import Profile
-    from sumo_reactive.driver.pilot.schedule import Delays
+def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None) -> EgoRule | None:
+    """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
+    from sumo_reactive.lab.egos import EgoRule
+    from sumo_reactive.sumo.config import read_config
+    from sumo_reactive.sumo.devices import Equipment
 
-    return replace(
-        scenario,
-        ego=scenario.ego if ego is None else ego,
-        seed=scenario.seed if seed is None else seed,
-        step_length_s=scenario.step_length_s if step_length is None else step_length,
-        profile=scenario.profile if profile is None else Profile(profile.value),
-        delays=scenario.delays if delays is None else Delays(delays.value),
-        until_s=scenario.until_s if until is None else until,
-    )
+    if len(ids) > 1 or types or probability is not None:
+        return EgoRule(tuple(ids), tuple(types), probability or 0.0)
+    if not ids and scenario.ego is None and Equipment(read_config(scenario.config)).is_named:
+        return EgoRule()
+    return None
 
 
-def _drive(scenario: Scenario, recorder: Recorder | None, quiet: bool) -> TrialResult:
-    from sumo_reactive.lab.simulation import run_trial
+def _drive(scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite: bool, quiet: bool) -> int:
+    """Drive one ego, or those that the rule chooses; show and record what comes of it; return the exit code."""
+    from sumo_reactive.lab.recorder import FleetRecorder, Recorder
+    from sumo_reactive.lab.simulation import run_fleet, run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
+    drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)
+    show: Callable[[Any, bool], None] = _show_several if rule else _show
+    recorder: Any = (FleetRecorder if rule else Recorder)(out, overwrite=overwrite) if out else None
+    watched = {"observer": recorder.see, "survey": recorder.survey} if recorder else {}
     note_compiling()
     with progress_shown(quiet) as progress, crashes_told():
-        if recorder is None:
-            return run_trial(scenario, progress=progress)
-        return run_trial(scenario, observer=recorder.see, progress=progress, survey=recorder.survey)
+        result: Any = drive(progress=progress, **watched)
+    show(result, quiet)
+    if recorder:
+        with figures_kept(quiet, lambda: show(result, False)):
+            recorder.write(result)
+    return int(result.exit_code)
 
 
 def _show(result: TrialResult, quiet: bool) -> None:
@@ -128,17 +129,34 @@ def _show(result: TrialResult, quiet: bool) -> None:
 
     if quiet:
         typer.echo(f"{result.ego}: {result.verdict}")
-        return
-    rows = rows_of(result)
-    if not sys.stdout.isatty():
-        wide = max(len(label) for label, _ in rows)
-        typer.echo("\n".join(f"{label:<{wide}}  {text}" for label, text in rows))
-        return
+    else:
+        show_table(rows_of(result), title=result.scenario)
+
+
+def _show_several(fleet: FleetResult, quiet: bool) -> None:
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=Text(result.scenario), show_header=False)
-    for label, text in rows:
-        table.add_row(Text(label), Text(text, style="bold" if label == "verdict" else ""))
-    Console().print(table)
+    from sumo_reactive.lab.metric_names import METRICS
+    from sumo_reactive.lab.result import changed_rows
+
+    arrived = sum(result.arrived for result in fleet.results)
+    typer.echo(
+        f"{len(fleet.results)} egos until {fleet.until:.1f} s: {arrived} arrived, {len(fleet.on_their_way)} on their way, "
+        f"{len(fleet.faulty)} with a fault"
+    )
+    for name, reason in fleet.refused:
+        typer.echo(f"not taken over: {name}: {reason}")
+    if quiet:
+        return
+    table = Table("ego", "departed (s)", METRICS["duration_s"].title, METRICS["time_loss_s"].title, "verdict", box=None)
+    for result in (fleet.faulty or fleet.results)[:_EGOS_SHOWN]:
+        is_cut_short = result.ego in fleet.on_their_way and result not in fleet.faulty
+        verdict = "on its way" if is_cut_short else result.verdict
+        figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
+        table.add_row(Text(result.ego), *figures, Text(verdict))
+    Console(highlight=False, width=None if sys.stdout.isatty() else _PLAIN_WIDTH).print(table)
+    for label, text in changed_rows(fleet.overrides, fleet.recounts):
+        typer.echo(f"{label}  {text}")
+    typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")

@@ -42,7 +42,7 @@ class Mechanism(IntEnum):
     ESCAPE = 14
     """Nothing leads out of a local minimum."""
     ROOM_TO_STOP = 15
-    """A command need not leave a way to stop."""
+    """A command need not leave a way to stop, and nothing makes the ego brake harder than planned."""
 
 
 def has(mechanism: Mechanism) -> bool:

@@ -18,16 +18,15 @@ from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S, PLANS_KEPT
 from sumo_reactive.driver.path.time_constraints import retimed
-from sumo_reactive.driver.pilot.behaviours.stopping import still_to_serve
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Ahead
+from sumo_reactive.driver.pilot.passages import Ahead, view_of
 from sumo_reactive.driver.pilot.pilot import Style, confirm, decide, may_confirm, notice
+from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.attention import conflicts_of
-from sumo_reactive.driver.view.foes import foes_of
+from sumo_reactive.driver.view.attention import conflicts_of, foes_of
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import static_within
@@ -99,7 +98,8 @@ class Controller:
         return step
 
     def _once(self, traffic: Traffic, drive: Drive, period: float, *, decides: bool = True) -> Step:
-        looks = drive.memory.premises is None or not drive.memory.premises.is_settled
+        premises = drive.memory.premises
+        looks = premises is None or (premises.asks and not premises.is_settled)
         seen = perceive(
             traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d,
             looks_for_foes=looks,
@@ -141,16 +141,17 @@ class Controller:
         foes_only = not runs_always and only_foes(events, snapshot)
         if drive.completed is not None and foes_only and may_confirm(snapshot, memory):
             asked = 2
-            confirmed = confirm(snapshot, ahead, drive.completed, memory, self.limits)
+            confirmed = confirm(view_of(snapshot, plan, self.limits, ahead), drive.completed, memory)
             if confirmed is not None:
                 return snapshot, drive.completed, confirmed, 1
-        view = outlook(traffic, snapshot, plan, self.graph, self.limits)
+        foreseen = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
-        completed, memory = decide(snapshot, plan, ahead, view, events, memory, self.limits, style)
+        view = view_of(snapshot, plan, self.limits, ahead)
+        completed, memory = decide(view, foreseen, events, memory, style)
         if completed.request.what is Replanning.TIMES:
             stops = still_to_serve(plan, memory, snapshot.time)
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits, stops)
-            completed, memory = replace(completed, time_constraints=times), memory._replace(constraints=times)
+            completed, memory = completed.timed(times), memory._replace(schedule=times)
         return snapshot, completed, memory, asked
 
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:

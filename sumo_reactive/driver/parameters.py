@@ -257,6 +257,9 @@ GAP_BEFORE_S = 1.0
 GAP_AFTER_S = 0.5
 """Margin between the foe's leaving a region and the ego's arrival."""
 
+ROLLING_S = 12.0
+"""A gap that opens within this time is met rolling; for a later one the ego comes to a stand."""
+
 MERGE_GAP_S = 0.8
 """Time headway that a foe keeps behind the ego after it merged."""
 
@@ -552,11 +555,24 @@ SHADOW_SCALE = 1.0
 SHADOW_HORIZON_M = 40.0
 """Obstacles farther away cast no potential."""
 
+CLEARANCE_M = 1.2
+"""Room that the ego likes to have beside whom it passes; cars in the middles of lanes of 2.8 m have it."""
+
+MAX_LEAN_M = 0.4
+"""It takes it inside its lane, this far beside C at most."""
+
 COLLISION_HORIZON_S = 0.7
 """Predicted footprints are tested this far; beyond, the others' headings no longer hold and the regions decide."""
 
 COLLISION_STEP_S = 0.1
 """Time between tested footprints."""
+
+ROLLING_SHARE = 0.35
+"""An ego slows down for a gap that is to open from where this share of the comfortable braking would stop it on: farther
+away the gap before the foe may yet turn out to be enough."""
+
+ROLLING_APPROACH_S = 3.0
+"""Time constant with which the ego slows down for a gap that is foreseen to open."""
 
 SPEED_APPROACH_S = 0.6
 """Time constant with which the ego approaches a speed limit from below."""

@@ -17,8 +17,7 @@ from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ParameterError, ScenarioError
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
-from sumo_reactive.sumo.config import read_config, seconds_of
-from sumo_reactive.sumo.option_names import given_options
+from sumo_reactive.sumo.config import given_options, read_config, seconds_of
 
 
 class Limit(TomlTable):

@@ -24,7 +24,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.egos import EgoRule, find_ego
-from sumo_reactive.lab.metrics import Jury
+from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.recorder import COLUMNS
 from sumo_reactive.lab.result import FleetResult, Override, TrialResult
 from sumo_reactive.lab.scenario import Scenario, require_parameters
@@ -351,7 +351,6 @@ def world_kept() -> Iterator[None]:
     Steps make no cycles, so that hardly anything is left to collect: it is looked for seldom.
     """
     before = gc.get_threshold()
-    gc.collect()
     gc.freeze()
     gc.set_threshold(SELDOM, *before[1:])
     try:

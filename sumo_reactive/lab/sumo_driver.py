@@ -14,11 +14,11 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, SimulationError
 from sumo_reactive.lab.metrics.moment import JUDGED_REACH_M
 from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.sumo.config import given_options
 from sumo_reactive.sumo.net_reader import NetFile, read_net
-from sumo_reactive.sumo.option_names import given_options
+from sumo_reactive.sumo.observed_vehicle import ObservedVehicle
 from sumo_reactive.sumo.outputs import AS_READ, trip_of
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.spectator import Spectator
 
 PROFILE = "sumo"
 """Profile of a result whose ego SUMO's own driver has driven."""
@@ -38,7 +38,7 @@ class WatchedTrip:
     graphs: tuple[RoadGraph, ...] = ()
 
     def __init__(self, session: Session, vehicle_id: str, net_file: Path) -> None:
-        self._session, self._spectator = session, Spectator(vehicle_id, JUDGED_REACH_M)
+        self._session, self._spectator = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)
         self.id, self.limits, self.profile = vehicle_id, self._spectator.limits, PROFILE
         self.departure, self.end = self._spectator.departure, session.time
         self.arrived, self.stuck = False, ""

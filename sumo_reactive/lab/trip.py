@@ -18,22 +18,18 @@ from sumo_reactive.driver.nouns.traffic import Traffic
 from sumo_reactive.driver.parameters import STANDING_SPEED, STUCK_S
 from sumo_reactive.driver.path.lane_choice import choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart
-from sumo_reactive.driver.pilot.lights import has_passed, letter_of
+from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.ego import Ego
-from sumo_reactive.sumo.ghosts import Ghosts
 from sumo_reactive.sumo.net_reader import WorldSource
-from sumo_reactive.sumo.observer import Observer
-from sumo_reactive.sumo.overlooked import overlooked
-from sumo_reactive.sumo.route_window import RouteWindow
-from sumo_reactive.sumo.sensor import Sensor
+from sumo_reactive.sumo.observed_vehicle import Bystanders
+from sumo_reactive.sumo.observer import EgoObserver
+from sumo_reactive.sumo.routes import RouteWindow, quickest_way, unmapped_lanes
+from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.spectator import Bystanders
-from sumo_reactive.sumo.stop_lines import StopLines
-from sumo_reactive.sumo.straddling import Haunt, ahead_of_mapping, haunt, left_behind
-from sumo_reactive.sumo.units import front_of
-from sumo_reactive.sumo.way_round import quickest_way
+from sumo_reactive.sumo.stand_ins import Occupant, OccupiedLane, StandIns, ahead_of_mapping, left_behind, occupied_lane
+from sumo_reactive.sumo.vehicle_type import front_of
 
 
 class _Ways(NamedTuple):
@@ -69,9 +65,9 @@ class Trip:
         self.graphs, self.judged_in = [graph], graph
         choice = choose_lanes(graph, ego.route, ego.vehicle_class)
         controller = Controller(graph, ego.limits, scenario.profile, scenario.delays, ego.vehicle_class)
-        self._observer = Observer(ego_id, sensor)
-        self._ghosts = Ghosts(ego_id), Ghosts(ego_id, ".turning")
-        self._overlooked = overlooked(graph, ego.route.edges)
+        self._observer = EgoObserver(ego_id, sensor)
+        self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
+        self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of)
         state = ego.take_over(session.step_length)
         lane_id = ego.lane(state)
@@ -132,7 +128,7 @@ class Trip:
     @property
     def ghosts_made(self) -> int:
         """How many stand-ins the trip has taken."""
-        return sum(ghosts.made for ghosts in self._ghosts)
+        return sum(one.made for one in self._stand_ins)
 
     @property
     def figures(self) -> dict[str, float | int | None]:
@@ -158,29 +154,30 @@ class Trip:
         return self._observer.observe(driving.graph, drive.plan, driving.front, drive.ego.speed, sight)
 
     def _place(self, step: Step) -> None:
-        """Put the ego, and its ghost when it changes lanes, where the next simulation step shall end."""
+        """Put the ego, and its stand-in when it changes lanes, where the next simulation step shall end."""
         drive = step.drive
         here = segment_at(drive.plan, drive.s + self.limits.front_overhang)
         self._window.follow(here.route_index)
         lane = self._driving.graph.lanes[here.lane_id] if drive.plan.aside is None else None
-        is_overlooked = here.lane_id in self._overlooked
-        self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_overlooked)
+        is_unmapped = here.lane_id in self._unmapped
+        self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_unmapped)
         self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
-        self._show(*self._haunts(step, here))
+        self._show(*self._occupied(step, here))
 
-    def _haunts(self, step: Step, here: LaneSegment) -> tuple[Haunt | None, Haunt | None]:
+    def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
         """Return where to show the ego besides; in a turn in several moves at two places."""
-        drive, graph, edges, limits = step.drive, self._driving.graph, self._driving.route.edges, self.limits
+        drive, edges = step.drive, self._driving.route.edges
+        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits)
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
-            behind = left_behind(graph, drive.plan, turn, drive.ego, limits, edges[turn.from_index :])
-            return behind, ahead_of_mapping(graph, turn, drive.ego, limits, edges[turn.route_index :])
+            behind = left_behind(by, turn, edges[turn.from_index :])
+            return behind, ahead_of_mapping(by, turn, edges[turn.route_index :])
         stop = step.completed.stop.s if step.completed.stop else math.inf
-        return haunt(graph, drive.plan, here, drive.ego, drive.s, limits, edges[here.route_index :], stop), None
+        return occupied_lane(by, drive.s, edges[here.route_index :], stop), None
 
-    def _show(self, *haunts: Haunt | None) -> None:
-        for ghosts, place in zip(self._ghosts, haunts, strict=True):
-            ghosts.appear(place)
+    def _show(self, *places: OccupiedLane | None) -> None:
+        for stand_ins, place in zip(self._stand_ins, places, strict=True):
+            stand_ins.appear(place)
 
     def _go_on(self, after: Driving) -> None:
         """Set SUMO to another route if the driver has taken one."""
@@ -188,7 +185,7 @@ class Trip:
             edges = after.route.edges
             self._ego.reroute(after.route)
             self.graphs.append(after.graph)
-            self._overlooked = overlooked(after.graph, edges)
+            self._unmapped = unmapped_lanes(after.graph, edges)
             self._window = RouteWindow(self.id, edges, self._net.end_of, number=len(self.graphs))
         self._driving = after
 

@@ -12,23 +12,8 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.metric_names import event_key
 from sumo_reactive.lab.trace import Entry
+from sumo_reactive.show import sentences
 from sumo_reactive.show.recording import CLOSE_S, EgoState, Recording, state_at
-from sumo_reactive.show.sentences import (
-    BEHAVIOURS,
-    BRAKING,
-    EMERGENCY,
-    ENDINGS,
-    EVENTS,
-    FIGURES,
-    INSTRUCTIONS,
-    MEANWHILE,
-    MEETINGS,
-    NO_COMMAND,
-    OUTCOMES,
-    REASONS,
-    SAME_REGION,
-    SOMEBODY,
-)
 
 
 def story(recording: Recording) -> Iterator[str]:
@@ -65,7 +50,7 @@ def footer(figures: Mapping[str, Any]) -> str:
     runs, share = figures.get("pilot_activations", 0), figures.get("pilot_free_share")
     asked = figures.get("highway_code_runs")
     counts = [(figures.get(event_key(kind), 0), kind) for kind in EventKind]
-    told = [f"{EVENTS[kind]} ({count})" for count, kind in sorted(counts, key=lambda one: -one[0]) if count]
+    told = [f"{sentences.EVENTS[kind]} ({count})" for count, kind in sorted(counts, key=lambda one: -one[0]) if count]
     held = "" if asked is None else f"; the highway code was asked {asked} times"
     rested = "" if share is None else f"; {100.0 * share:.0f} % of the steps needed neither"
     return f"The pilot decided in {runs} steps{held}{rested}." + (f" What activated it: {', '.join(told)}." if told else "")
@@ -73,8 +58,9 @@ def footer(figures: Mapping[str, Any]) -> str:
 
 def paragraph(entry: Entry, before: Entry | None = None) -> str:
     """Return event, assessment, behaviour and instruction, and the rule and the road user behind them, as sentences."""
-    ending = ENDINGS.get((before.behaviour, entry.behaviour), "") if before else ""
-    emergency = (EMERGENCY.format(entry.hazard) if entry.hazard else NO_COMMAND) if entry.emergency else ""
+    ending = sentences.ENDINGS.get((before.behaviour, entry.behaviour), "") if before else ""
+    braking = sentences.EMERGENCY_BRAKING.format(entry.hazard) if entry.hazard else sentences.ALONG_C
+    emergency = braking if entry.emergency else ""
     parts = (*events_told(entry.events), assessment_told(entry.assessment), emergency, ending, _behaviour_told(entry))
     return " ".join(f"{part[0].upper()}{part[1:]}." for part in parts if part)
 
@@ -89,14 +75,14 @@ def events_told(events: Iterable[Event]) -> list[str]:
     causes: dict[EventKind, list[str]] = {}
     for event in events:
         causes.setdefault(event.kind, []).extend([event.cause] if event.cause else [])
-    return [EVENTS[kind] + (f" ({', '.join(found)})" if found else "") for kind, found in causes.items()]
+    return [sentences.EVENTS[kind] + (f" ({', '.join(found)})" if found else "") for kind, found in causes.items()]
 
 
 def assessment_told(assessment: Assessment) -> str:
     """Return what would have happened, and when."""
     meets = assessment.encounter
-    user, time = (meets.user_id, meets.time) if meets else (SOMEBODY, math.nan)
-    return OUTCOMES[assessment.outcome].format(lateness=assessment.lateness, user=user, time=time)
+    user, time = (meets.user_id, meets.time) if meets else ("somebody", math.nan)
+    return sentences.OUTCOMES[assessment.outcome].format(lateness=assessment.lateness, user=user, time=time)
 
 
 def decision_told(decision: Decision, instruction: Instruction, named: str = "", *, with_figures: bool = True) -> str:
@@ -104,12 +90,12 @@ def decision_told(decision: Decision, instruction: Instruction, named: str = "",
 
     `named`: the region that has been named already.
     """
-    wording, figures = REASONS[decision.reason], dict(decision.figures)
+    wording, figures = sentences.REASONS[decision.reason], dict(decision.figures)
     usual = wording.passes if decision.passes else wording.waits
     order = _order(decision, figures).removeprefix("merges ")
-    text = MEANWHILE.get((instruction, decision.reason), usual)
-    place = SAME_REGION if decision.region == named else f"region {decision.region}"
-    text = text.format(order=order, cause=decision.cause or SOMEBODY, place=place, region=decision.region)
+    text = sentences.MEANWHILE.get((instruction, decision.reason), usual)
+    place = "the same region" if decision.region == named else f"region {decision.region}"
+    text = text.format(order=order, cause=decision.cause or "somebody", place=place, region=decision.region)
     told = _figures_told(decision, figures) if with_figures else ""
     return f"{text} ({told})" if told else text
 
@@ -118,8 +104,8 @@ def _figures_told(decision: Decision, figures: Mapping[str, float]) -> str:
     if not all(math.isfinite(value) for value in figures.values()):
         return ""
     if "foe_arrival_s" in figures:
-        return MEETINGS[decision.passes, _order(decision, figures)].format(**figures)
-    return BRAKING.format(**figures) if "to_line_m" in figures else ""
+        return sentences.MEETINGS[decision.passes, _order(decision, figures)].format(**figures)
+    return sentences.BRAKING.format(**figures) if "to_line_m" in figures else ""
 
 
 def _order(decision: Decision, figures: Mapping[str, float]) -> str:
@@ -147,8 +133,8 @@ def _behaviour_told(entry: Entry, *, with_figures: bool = True) -> str:
     ]
     stops = any(not decision.passes for decision in decisions)
     if entry.instruction is not Instruction.STOP or not stops:
-        clauses.insert(0, INSTRUCTIONS[entry.instruction])
-    return f"{BEHAVIOURS[entry.behaviour]}: {'; '.join(clauses)}"
+        clauses.insert(0, sentences.INSTRUCTIONS[entry.instruction])
+    return f"{sentences.BEHAVIOURS[entry.behaviour]}: {'; '.join(clauses)}"
 
 
 def _nearest(decisions: Iterable[Decision]) -> list[Decision]:
@@ -166,8 +152,8 @@ def _arrival(decision: Decision) -> float:
 
 
 def _state_text(ego: EgoState) -> str:
-    behind = f", behind {ego.leader} at {ego.gap:.1f} m" if ego.leader and ego.gap is not None else ", no leader"
-    return f"{ego.time:.1f} s: the ego drives at {ego.speed:.1f} m/s, wants {ego.desired_speed:.1f} m/s{behind}."
+    behind = f", behind {ego.leader} at {ego.gap_m:.1f} m" if ego.leader and ego.gap_m is not None else ", no leader"
+    return f"{ego.time_s:.1f} s: the ego drives at {ego.speed_m_s:.1f} m/s, wants {ego.desired_speed_m_s:.1f} m/s{behind}."
 
 
 def _in_full(entry: Entry, before: Entry | None) -> Iterator[str]:
@@ -180,7 +166,7 @@ def _in_full(entry: Entry, before: Entry | None) -> Iterator[str]:
     for decision in entry.decisions:
         told = decision_told(decision, entry.instruction, with_figures=False)
         yield f"{'decision':<11} {decision.behaviour.value}: {told}"
-        figures = [FIGURES.get(name, name + " {:.2f}").format(value) for name, value in decision.figures]
+        figures = [sentences.FIGURES.get(name, name + " {:.2f}").format(value) for name, value in decision.figures]
         yield from ([f"{'':<11}   {', '.join(figures)}"] if figures else [])
     for state in entry.regions:
         user = f" ({state.user_id})" if state.user_id else ""

@@ -1,38 +1,38 @@
-"""Why a case failed: what was not met, what the pilot had judged before, what it did around, and how to see it again."""
+"""Faults and decisions told to people: what the pilot had judged before a fault, why a case failed, a table of all."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Decision
 from sumo_reactive.lab.check import Verdict
-from sumo_reactive.lab.result import Collision, Fault, HardBrake, TrialResult
+from sumo_reactive.lab.result import Collision, Fault, HardBrake, TrialResult, Violation
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.explain import decision_told, paragraph
+from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html, table
+from sumo_reactive.show.recording import CLOSE_S
 
-MOST_FAULTS = 3
-"""So many faults of a case are told in full."""
+_MOST_FAULTS, _ENTRIES_BEFORE = 3, 3
+"""So many faults of a case are told in full, and so many entries of the trace before each."""
 
-ENTRIES_BEFORE = 3
-"""So many entries of the trace are told before a fault."""
-
-JUDGEMENT_AGE_S = 10.0
+_JUDGEMENT_AGE_S = 10.0
 """An older decision to go on is not why something happened, s."""
 
-REPLAY_LABEL = "replay: "
-CLOSE_S = 1e-6
-"""Times nearer than this are the same, s."""
+_FAULT_WORDS: dict[type[Fault], str] = {Collision: "ran into {user}", HardBrake: "made {user} brake hard"}
+_RIGHT_OF_WAY = "got into the way of {user}"
+_RECORDED: dict[str, type[Fault]] = {"collisions": Collision, "violations": Violation, "hard_brakes": HardBrake}
 
-FAULT_WORDS: dict[type[Fault], str] = {
-    Collision: "ran into {user}",
-    HardBrake: "made {user} brake hard",
-}
-RIGHT_OF_WAY = "got into the way of {user}"
+_HEAD = ("time (s)", "behaviour", "what happened, what going on would lead to, what the ego does and why")
+_HOVER_WIDTH = 72
+"""Characters in a line of a text to hover over."""
 
 
-class Judgement(NamedTuple):
+class EarlierJudgement(NamedTuple):
     """What the pilot decided at `time` (s) about the one who suffered later."""
 
     time: float
@@ -46,11 +46,11 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
     result, entries = verdict.outcome.result, verdict.outcome.entries
     if result is not None:
         faults = faults_of(result)
-        for fault in faults[:MOST_FAULTS]:
+        for fault in faults[:_MOST_FAULTS]:
             yield f"{fault_told(fault, entries)}:"
             yield from _trace(entries, fault.time)
-        if len(faults) > MOST_FAULTS:
-            yield f"… and {len(faults) - MOST_FAULTS} more"
+        if len(faults) > _MOST_FAULTS:
+            yield f"… and {len(faults) - _MOST_FAULTS} more"
         waits = longest_waits(entries, result.end_s) if result.arrived and not faults else []
         if waits:
             yield "what it waited for longest:"
@@ -58,19 +58,29 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
         elif not faults:
             yield "the last decisions:"
             yield from _trace(entries, math.inf)
-    yield f"{REPLAY_LABEL}{verdict.case.replay}"
+    yield f"replay: {verdict.case.replay}"
 
 
 def faults_of(result: TrialResult) -> list[Fault]:
     """Return what the ego did to others and against rules, in order of time."""
-    return sorted((*result.collisions, *result.violations, *result.hard_brakes), key=lambda fault: fault.time)
+    return sorted((*result.collisions, *result.violations, *result.hard_brakes), key=attrgetter("time"))
+
+
+def faults_in(summary: Mapping[str, Any]) -> list[Fault]:
+    """Return the same from a recorded summary."""
+    found = (
+        kind(**{key.removesuffix("_s"): value for key, value in one.items()})
+        for name, kind in _RECORDED.items()
+        for one in summary.get(name, ())
+    )
+    return sorted(found, key=attrgetter("time"))
 
 
 def fault_told(fault: Fault, entries: Sequence[Entry]) -> str:
     """Return who suffered when, what the pilot had judged of him, and what came of it."""
     if not fault.user_id:
         return f"at {fault.time:.1f} s: {str(fault).removesuffix(f' at {fault.time:.1f} s')}"
-    did = FAULT_WORDS.get(type(fault), RIGHT_OF_WAY).format(user=fault.user_id)
+    did = _FAULT_WORDS.get(type(fault), _RIGHT_OF_WAY).format(user=fault.user_id)
     judged = judgement_of(fault, entries)
     if judged is None:
         return f"{did} at {fault.time:.1f} s; no decision before speaks of it"
@@ -78,18 +88,24 @@ def fault_told(fault: Fault, entries: Sequence[Entry]) -> str:
     return f"{did} at {fault.time:.1f} s; at {judged.time:.1f} s the ego judged: {told}{_came(fault, judged)}"
 
 
-def judgement_of(fault: Fault, entries: Sequence[Entry]) -> Judgement | None:
+def fault_sentence(fault: Fault, entries: Sequence[Entry]) -> str:
+    """Return `fault_told` as a sentence."""
+    told = fault_told(fault, entries)
+    return f"{told[0].upper()}{told[1:]}."
+
+
+def judgement_of(fault: Fault, entries: Sequence[Entry]) -> EarlierJudgement | None:
     """Return the last decision about the one who suffered: rather one, not long before, by which the ego went on."""
     about = [
-        Judgement(entry.time, entry, decision)
+        EarlierJudgement(entry.time, entry, decision)
         for entry in entries
         if entry.time <= fault.time + CLOSE_S
         for decision in entry.decisions
         if decision.cause == fault.user_id
     ]
 
-    def weight(one: Judgement) -> tuple[bool, float, bool]:
-        is_why = one.decision.passes and fault.time - one.time <= JUDGEMENT_AGE_S
+    def weight(one: EarlierJudgement) -> tuple[bool, float, bool]:
+        is_why = one.decision.passes and fault.time - one.time <= _JUDGEMENT_AGE_S
         return is_why, one.time, bool(one.decision.figures)
 
     return max(about, key=weight, default=None)
@@ -98,15 +114,41 @@ def judgement_of(fault: Fault, entries: Sequence[Entry]) -> Judgement | None:
 def longest_waits(entries: Sequence[Entry], end: float) -> list[int]:
     """Return the indices, in order of time, of the entries that kept the ego from going on for longest; `end` in s."""
     ends = [*(entry.time for entry in entries[1:]), end]
-    lasting = {
-        k: ends[k] - entry.time
-        for k, entry in enumerate(entries)
-        if any(not decision.passes for decision in entry.decisions)
-    }
-    return sorted(sorted(lasting, key=lambda k: -lasting[k])[:ENTRIES_BEFORE])
+    waiting = (k for k, entry in enumerate(entries) if any(not decision.passes for decision in entry.decisions))
+    return sorted(sorted(waiting, key=lambda k: entries[k].time - ends[k])[:_ENTRIES_BEFORE])
 
 
-def _came(fault: Fault, judged: Judgement) -> str:
+def decision_table(entries: Sequence[Entry], faults: Sequence[Fault]) -> Html:
+    """Return every entry and every fault, a row each, in order of time."""
+    rows: list[tuple[float, str, str]] = []
+    for k, entry in enumerate(entries):
+        chip = f'<span class="chip" style="background:{BEHAVIOUR_COLOURS[entry.behaviour]}"></span>'
+        rows.append((entry.time, Html(f"{chip}{escape(entry.behaviour.value)}"), _entry_told(entries, k)))
+    bad = Html('<span class="bad">fault</span>')
+    rows += [(fault.time, bad, fault_sentence(fault, entries)) for fault in faults]
+    ordered = sorted(rows, key=lambda row: row[0])
+    return table(_HEAD, [(f"{time:.1f}", *told) for time, *told in ordered], is_long=True)
+
+
+def hover_of(entries: Sequence[Entry], k: int) -> str:
+    """Return the k-th entry in lines short enough to hover over; what could be a mark-up is escaped."""
+    return _in_lines(_entry_told(entries, k))
+
+
+def fault_hover(fault: Fault, entries: Sequence[Entry]) -> str:
+    """Return `fault_told` in such lines."""
+    return _in_lines(fault_told(fault, entries))
+
+
+def _in_lines(text: str) -> str:
+    return "<br>".join(escape(line) for line in textwrap.wrap(text, _HOVER_WIDTH))
+
+
+def _entry_told(entries: Sequence[Entry], k: int) -> str:
+    return paragraph(entries[k], entries[k - 1] if k else None)
+
+
+def _came(fault: Fault, judged: EarlierJudgement) -> str:
     """Return how what happened differs from the figures of the judgement, as far as the fault's time tells."""
     figures, after = dict(judged.decision.figures), fault.time - judged.time
     if not judged.decision.passes or not {"clearance_s", "foe_arrival_s"} <= set(figures):
@@ -126,8 +168,8 @@ def _came(fault: Fault, judged: Judgement) -> str:
 def _trace(entries: Sequence[Entry], until: float) -> Iterator[str]:
     """Yield the last entries up to a time (s), a line each."""
     last = sum(entry.time <= until + CLOSE_S for entry in entries)
-    yield from (_line(entries, k) for k in range(max(0, last - ENTRIES_BEFORE), last))
+    yield from (_line(entries, k) for k in range(max(0, last - _ENTRIES_BEFORE), last))
 
 
 def _line(entries: Sequence[Entry], k: int) -> str:
-    return f"  {entries[k].time:.1f} s  {paragraph(entries[k], entries[k - 1] if k else None)}"
+    return f"  {entries[k].time:.1f} s  {_entry_told(entries, k)}"

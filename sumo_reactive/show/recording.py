@@ -1,4 +1,4 @@
-"""A recorded run, read back from its folder."""
+"""A recorded run, read back from its folder: the keys and columns of its files that explanations and pages read."""
 
 from __future__ import annotations
 
@@ -6,21 +6,67 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import duckdb
-from pydantic import TypeAdapter, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
+from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import is_there
 from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
-from sumo_reactive.lab.schema import read_json
+from sumo_reactive.lab.schema import Keys, Number, read_json
 from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry, read_entries
-from sumo_reactive.show.record_keys import COLUMNS, Regions, SummaryKeys
 
 MAX_STEPS = 1_000_000
 """More than a day in steps of 0.1 s."""
+
+CLOSE_S = 1e-6
+"""Times nearer than this are the same, s."""
+
+_Text = Annotated[str, Field(min_length=1)]
+_Corner = Annotated[list[Number], Field(min_length=2, max_length=2)]
+_Regions = dict[str, Annotated[list[_Corner], Field(min_length=1)]]
+_Numbers, _Gaps, _Texts = list[Number], list[Number | None], list[str]
+_COLUMNS: dict[str, Any] = {
+    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "s_m", "desired_speed_m_s", "u", "u1", "u2", "u3"), _Numbers),
+    **dict.fromkeys(("stop_m", "gap_m"), _Gaps),
+    **dict.fromkeys(("lane_id", "leader"), _Texts),
+    "behaviour": list[Annotated[str, AfterValidator(lambda name: Behaviour(name).value)]],
+    "emergency": list[bool],
+}
+"""The columns of the trajectory that are read, and what each holds."""
+
+
+class _FaultKeys(Keys):
+    model_config = ConfigDict(extra="forbid")
+
+    time_s: Number
+    user_id: str
+    lane_id: str
+
+
+class _ViolationKeys(_FaultKeys):
+    kind: str
+
+
+class _SummaryKeys(Keys):
+    model_config = ConfigDict(extra="allow")
+
+    ego: _Text
+    scenario: _Text
+    verdict: _Text
+    figures: dict[str, Number | None]
+    seed: int | None = None
+    departure_s: Number | None = None
+    end_s: Number | None = None
+    duration_s: Number | None = None
+    time_loss_s: Number | None = None
+    distance_m: Number | None = None
+    collisions: tuple[_FaultKeys, ...] = ()
+    violations: tuple[_ViolationKeys, ...] = ()
+    hard_brakes: tuple[_FaultKeys, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -34,18 +80,13 @@ class Recording:
 
 
 class EgoState(NamedTuple):
-    """The ego at a recorded step: speeds in m/s; `leader` limits it at distance `gap` (m, None: no leader)."""
+    """The ego at a recorded step: speeds in m/s; `leader` limits it at distance `gap_m` (None: no leader)."""
 
-    time: float
-    speed: float
-    desired_speed: float
+    time_s: float
+    speed_m_s: float
+    desired_speed_m_s: float
     leader: str
-    gap: float | None
-
-
-_STATE = ("time_s", "speed_m_s", "desired_speed_m_s", "leader", "gap_m")
-CLOSE_S = 1e-6
-"""Times nearer than this are the same, s."""
+    gap_m: float | None
 
 
 def load(folder: Path) -> Recording:
@@ -55,21 +96,21 @@ def load(folder: Path) -> Recording:
     missing = [name for name in (SUMMARY, DECISIONS, TRAJECTORY) if not (folder / name).is_file()]
     if missing:
         raise ScenarioError(f"{folder}: not the record of a run: it has no {' and no '.join(missing)}")
-    summary = read_json(folder / SUMMARY, SummaryKeys, "the summary of a run").model_dump(exclude_unset=True)
+    summary = read_json(folder / SUMMARY, _SummaryKeys, "the summary of a run").model_dump(exclude_unset=True)
     entries = tuple(sorted(read_entries(folder / DECISIONS), key=lambda entry: entry.time))
     has_regions = is_there(folder / REGIONS)
-    regions = read_json(folder / REGIONS, Regions, "the regions of a run") if has_regions else {}
+    regions = read_json(folder / REGIONS, _Regions, "the regions of a run") if has_regions else {}
     return Recording(folder, summary, entries, regions)
 
 
 def state_at(recording: Recording, time: float) -> EgoState:
     """Return the ego at the last step up to `time` (s); raise ScenarioError for a time outside the run."""
-    columns = columns_of(recording, _STATE)
+    columns = columns_of(recording, EgoState._fields)
     times = columns["time_s"]
     if not times[0] - CLOSE_S <= time <= times[-1] + CLOSE_S:
         raise ScenarioError(f"{recording.folder}: {time:g} s is outside the run ({times[0]:.1f} to {times[-1]:.1f} s)")
     k = bisect_right(times, time + CLOSE_S) - 1
-    return EgoState(*(columns[name][k] for name in _STATE))
+    return EgoState(**{name: values[k] for name, values in columns.items()})
 
 
 def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any]]:
@@ -87,7 +128,7 @@ def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any
     columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
     for name, values in columns.items():
         try:
-            TypeAdapter(COLUMNS[name]).validate_python(values, strict=True)
+            TypeAdapter(_COLUMNS[name]).validate_python(values, strict=True)
         except ValidationError as error:
             problem = error.errors()[0]
             told = f"column '{name}', step {problem['loc'][0]}: {problem['msg']}"

@@ -13,6 +13,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.NEW_ROUTE: "the route is planned anew, since the turn to the edge named was missed",
     EventKind.NEW_OBSTACLE: "a new obstacle is ahead",
     EventKind.INTERSECTION: "the ego reaches the next stage of an intersection",
+    EventKind.STOP_AHEAD: "a stop of the route comes into reach",
     EventKind.LANE_CHANGE: "a lane change comes into reach",
     EventKind.LIGHT_CHANGE: "a light changes",
     EventKind.OTHER_BEHAVIOUR: "somebody does something else than foreseen",
@@ -37,12 +38,12 @@ OUTCOMES: dict[Outcome, str] = {
 }
 
 BEHAVIOURS: dict[Behaviour, str] = {
-    Behaviour.NORMAL: "Normal driving",
-    Behaviour.CAUTIOUS: "Cautious driving",
-    Behaviour.OVERTAKING: "Overtaking",
-    Behaviour.STOPPING: "Stopping at a location",
-    Behaviour.CROSSING: "Crossing the intersection",
-}
+    Behaviour.NORMAL: "Normal driving", Behaviour.CAUTIOUS: "Cautious driving", Behaviour.OVERTAKING: "Overtaking",
+    Behaviour.STOPPING: "Stopping at a location", Behaviour.CROSSING: "Crossing the intersection",
+    Behaviour.CHANGING_LANES: "Changing lanes", Behaviour.CHANGING_QUEUES: "Changing queues",
+    Behaviour.TURNING_ROUND: "Turning round", Behaviour.BACKING_UP: "Backing up",
+    Behaviour.TAKING_ANOTHER_WAY: "Taking another way",
+}  # fmt: skip
 
 ENDINGS: dict[tuple[Behaviour, Behaviour], str] = {
     **{(Behaviour.OVERTAKING, after): "The ego is back on C" for after in Behaviour if after is not Behaviour.OVERTAKING},
@@ -76,10 +77,8 @@ class Wording(NamedTuple):
 
 
 REASONS: dict[Reason, Wording] = {
-    Reason.RED_LIGHT: Wording(
-        "stops at the line, since light {cause} is red",
-        "goes on although light {cause} is red",
-    ),
+    Reason.ON_SCHEDULE: Wording("keeps to the times of its plan", "goes on although its plan has it later"),
+    Reason.RED_LIGHT: Wording("stops at the line, since light {cause} is red", "goes on although light {cause} is red"),
     Reason.YELLOW_LIGHT: Wording(
         "stops at the line, since light {cause} is yellow and stopping is comfortable",
         "goes on although light {cause} is yellow",
@@ -88,21 +87,15 @@ REASONS: dict[Reason, Wording] = {
         "stops, although light {cause} is yellow and the line close",
         "goes on, since light {cause} is yellow but the line too close to stop",
     ),
-    Reason.STOP_SIGN: Wording(
-        "stops at the line, since a full stop is due there",
-        "goes on after the full stop",
-    ),
+    Reason.STOP_SIGN: Wording("stops at the line, since a full stop is due there", "goes on after the full stop"),
     Reason.WAIT_FOR_TURN: Wording(
-        "stops before {place}, since it is the turn of {cause}",
-        "goes {order} {cause}, whose turn it is, through {place}",
+        "stops before {place}, since it is the turn of {cause}", "goes {order} {cause}, whose turn it is, through {place}"
     ),
     Reason.YIELD_TO: Wording(
-        "stops before {place}, since {cause} has priority",
-        "goes {order} {cause}, which has priority, through {place}",
+        "stops before {place}, since {cause} has priority", "goes {order} {cause}, which has priority, through {place}"
     ),
     Reason.REGION_OCCUPIED: Wording(
-        "stops before {place}, since {cause} is in it",
-        "goes after {cause}, which is still in {place}",
+        "stops before {place}, since {cause} is in it", "goes after {cause}, which is still in {place}"
     ),
     Reason.FOE_CANNOT_STOP: Wording(
         "stops before {place}, since {cause} should yield but can no longer stop",
@@ -117,8 +110,7 @@ REASONS: dict[Reason, Wording] = {
         "enters connection {region} although {cause} leaves no room behind it",
     ),
     Reason.SCHEDULED_STOP: Wording(
-        "stops on lane {cause}, since the route has a stop there",
-        "goes on from the stop on lane {cause}",
+        "stops on lane {cause}, since the route has a stop there", "goes on from the stop on lane {cause}"
     ),
     Reason.NO_GAP: Wording(
         "stops where it has to change to lane {region}, since {cause} leaves no gap there",
@@ -132,17 +124,13 @@ REASONS: dict[Reason, Wording] = {
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",
     ),
-    Reason.BLOCKED: Wording(
-        "is blocked by {cause}",
-        "goes on although {cause} blocks the way",
-    ),
+    Reason.BLOCKED: Wording("is blocked by {cause}", "goes on although {cause} blocks the way"),
     Reason.SLOW_AHEAD: Wording(
         "keeps behind {cause}, which is slow or has halted",
         "{cause} is slow or has halted, and the simulated pass meets nobody",
     ),
     Reason.GAP_LOST: Wording(
-        "gives up passing, since {cause} takes the gap",
-        "goes on passing although {cause} takes the gap",
+        "gives up passing, since {cause} takes the gap", "goes on passing although {cause} takes the gap"
     ),
     Reason.NARROW_TURN: Wording(
         "stops to turn round, since the road is too narrow for one sweep",
@@ -152,10 +140,7 @@ REASONS: dict[Reason, Wording] = {
         "does not begin to turn round yet, since {cause} comes over the ground that it needs",
         "turns round although {cause} comes over the ground that it needs",
     ),
-    Reason.FOLLOWS: Wording(
-        "keeps behind {cause}",
-        "follows {cause}, which is slower than the road allows",
-    ),
+    Reason.FOLLOWS: Wording("keeps behind {cause}", "follows {cause}, which is slower than the road allows"),
     Reason.NO_ROOM_TO_PASS: Wording(
         "keeps behind {cause}, which is slow or has halted, since there is no gap to pass ({region})",
         "passes {cause} although the gap is short",
@@ -195,11 +180,5 @@ FIGURES: dict[str, str] = {
 }
 """A decision's figures one by one; one without wording is shown by its name."""
 
-EMERGENCY = "An emergency: milder braking than this would not stop the ego clear of {}"
-NO_COMMAND = "No command is admissible: the ego brakes as hard as it can along C"
-
-SOMEBODY = "somebody"
-"""Stands for a cause that no record names."""
-
-SAME_REGION = "the same region"
-"""Stands for the region that the clause before has named."""
+EMERGENCY_BRAKING = "An emergency: milder braking than this would not stop the ego clear of {}"
+ALONG_C = "No command is admissible: the ego brakes as hard as it can along C"

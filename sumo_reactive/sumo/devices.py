@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from xml.etree.ElementTree import Element, ParseError, iterparse
+from xml.etree.ElementTree import iterparse
 
 import libsumo
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of, is_there
-from sumo_reactive.sumo.config import SumoConfig, is_true
+from sumo_reactive.sumo.config import SumoConfig, is_true, xml_read
 
 HAS_DEVICE = "has.reactive.device"
 """A `<param>` of a vehicle, trip, flow or type: "true" or "false"."""
@@ -31,7 +31,8 @@ class Equipment:
 
     def __init__(self, config: SumoConfig) -> None:
         self.is_named = config.mentions((HAS_DEVICE.encode(), PROBABILITY.encode()))
-        self._shares: Mapping[str, float] = dict(_of_vehicles(config)) if self.is_named else {}
+        files = (*config.route_files, *config.additional_files) if self.is_named else ()
+        self._shares = dict(share for file in files if is_there(file) for share in _in_file(file))
         self._of_types: dict[str, float | None] = {}
 
     def share(self, vehicle_id: str) -> float | None:
@@ -48,29 +49,16 @@ class Equipment:
         return self._of_types[name]
 
 
-def _of_vehicles(config: SumoConfig) -> Iterator[tuple[str, float]]:
-    """Yield the share for each vehicle, trip or flow of which a file says one."""
-    for file in (*config.route_files, *config.additional_files):
-        if is_there(file):
-            yield from _in_file(file)
-
-
 def _in_file(file: Path) -> Iterator[tuple[str, float]]:
-    try:
+    """Yield the share for each vehicle, trip or flow of which a file says one."""
+    with xml_read(file):
         for _, node in iterparse(io.BytesIO(content_of(file))):
             if node.tag in _OF_VEHICLES:
-                share = _share(_said(node), f"{file}: {node.tag} '{node.get('id')}'")
+                said = {param.get("key", ""): param.get("value", "") for param in node.findall("param")}
+                share = _share(said, f"{file}: {node.tag} '{node.get('id')}'")
                 if share is not None:
                     yield node.get("id", ""), share
                 node.clear()
-    except ParseError as error:
-        raise ScenarioError(f"{file}:{error.position[0]}: not XML: {str(error).split(':')[0]}") from error
-    except (ValueError, LookupError) as error:
-        raise ScenarioError(f"{file}: not XML: {error}") from error
-
-
-def _said(node: Element) -> dict[str, str]:
-    return {param.get("key", ""): param.get("value", "") for param in node.findall("param")}
 
 
 def _share(said: Mapping[str, str], place: str) -> float | None:

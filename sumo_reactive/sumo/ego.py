@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import math
 from dataclasses import replace
+from typing import Any
 
 import libsumo
 
-from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import STANDING_SPEED, TELEPORT_GUARD_S
@@ -17,10 +18,18 @@ from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import ScenarioError, SimulationError
-from sumo_reactive.sumo.ghosts import is_ghost
-from sumo_reactive.sumo.trips import arrival_of
-from sumo_reactive.sumo.units import FREE_EXACT, INVALID, KEEP_ROUTE_EXACT, angle_of, front_of, heading_of, pose_of
-from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS, limits_of
+from sumo_reactive.sumo.stand_ins import is_stand_in
+from sumo_reactive.sumo.vehicle_type import (
+    FREE_EXACT,
+    KEEP_ROUTE_EXACT,
+    NOT_ROAD_CARS,
+    angle_of,
+    arrival_of,
+    front_of,
+    heading_of,
+    limits_of,
+    pose_of,
+)
 
 _REMOVE_ARRIVED = 2
 _GO_NEXT_SPEED = 0.05
@@ -115,17 +124,17 @@ class Ego:
         return replace(state, pose=pose_of(*front_of(state.pose, own), heading, own))
 
     def place(
-        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, overlooked: bool = False
+        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_unmapped: bool = False
     ) -> None:
         """Announce the intent and command the state that the next simulation step ends in.
 
-        `lane`: where C is there, None while it leads beside its lane; `overlooked`: SUMO does not look for the ego on it.
+        `lane`: where C is there, None while it leads beside its lane; `is_unmapped`: SUMO does not look for the ego on it.
 
         SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
         between the same two edges), it is told the lane, until the ego is out of the junction; but not where the front
         swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
         """
-        self._unmapped |= overlooked
+        self._unmapped |= is_unmapped
         if lane is not None and not lane.is_internal:
             self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
@@ -162,7 +171,7 @@ class Ego:
         if not any(link[0].rpartition("_")[0] in ahead for link in libsumo.lane.getLinks(lane.id)):
             return  # C is still about to change away from it
         is_past = lane.spine.project(x, y)[0] > lane.spine.length - _AT_END_M
-        if is_past and all(is_ghost(one) for one in libsumo.lane.getLastStepVehicleIDs(lane.id)):
+        if is_past and all(is_stand_in(one) for one in libsumo.lane.getLastStepVehicleIDs(lane.id)):
             position = min(vehicle.getLanePosition(self.id), libsumo.lane.getLength(lane.id))
             vehicle.moveTo(self.id, lane.id, position)
 
@@ -294,12 +303,7 @@ class Ego:
         return Route(edges, position, lane, tuple(_stop(s) for s in libsumo.vehicle.getStops(self.id) if s.lane))
 
 
-def _stop(data: object) -> ScheduledStop:
+def _stop(data: Any) -> ScheduledStop:
     """Turn SUMO's stop data into a scheduled stop; a stop without duration or end lasts no time."""
-    duration, until = float(data.duration), float(data.until)  # type: ignore[attr-defined]
-    return ScheduledStop(
-        lane_id=data.lane,  # type: ignore[attr-defined]
-        position=float(data.endPos),  # type: ignore[attr-defined]
-        duration=duration if duration > INVALID / 2 and duration > 0.0 else 0.0,
-        until=until if until > 0.0 else None,
-    )
+    until = float(data.until)
+    return ScheduledStop(data.lane, float(data.endPos), max(float(data.duration), 0.0), until if until > 0.0 else None)

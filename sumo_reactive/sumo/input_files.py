@@ -18,7 +18,7 @@ from itertools import product
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
+from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 
 _QUOTED = re.compile(rb"\"([^\"]*)\"|'([^']*)'")
 _VARIABLE = re.compile(r"\$\{([^}]+)\}")

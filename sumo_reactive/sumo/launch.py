@@ -9,21 +9,24 @@ from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of, is_there, require_file
-from sumo_reactive.sumo.config import SumoConfig, is_true, paths_beside, seconds_of
-from sumo_reactive.sumo.option_names import (
+from sumo_reactive.sumo.config import (
     INPUT_FILES,
     INSTEAD_OF_RUNNING,
     LEFT_OUT,
     OUTPUT_FILES,
     SPECIAL_FILES,
+    SumoConfig,
     given_options,
+    is_true,
+    paths_beside,
+    seconds_of,
 )
 
 MAX_STEP_LENGTH_S = 1.0
 DEFAULT_STEP_LENGTH_S = 0.1
 """Used where the scenario steps coarser and nobody asks otherwise."""
 
-Override = tuple[str, str, str]
+OptionOverride = tuple[str, str, str]
 """Option, what the scenario says (SUMO's default where it says nothing), what is used."""
 
 Runnable = Path | Mapping[str, str]
@@ -48,7 +51,7 @@ _FOR_SHOW = re.compile(r"poly|poi|view|gui|background|decal", re.IGNORECASE)
 """Names of additional files that only draw something."""
 
 
-def runnable_config(config: SumoConfig) -> tuple[Runnable, tuple[Override, ...]]:
+def runnable_config(config: SumoConfig) -> tuple[Runnable, tuple[OptionOverride, ...]]:
     """Return what SUMO runs without a window: the file, or options in place of it; and what they leave out.
 
     Left out are options that only a window needs or that let SUMO end before it runs, and missing files that only draw
@@ -118,7 +121,7 @@ def chosen_step_length(config: SumoConfig, asked: float | None) -> float:
 
 def sumo_arguments(
     config: SumoConfig, runnable: Runnable, *, seed: int, step_length_s: float, sumo_options: Sequence[str] = ()
-) -> tuple[list[str], tuple[Override, ...]]:
+) -> tuple[list[str], tuple[OptionOverride, ...]]:
     """Return the arguments to start SUMO with, and each override that changes what the scenario says.
 
     `sumo_options` go last, unchanged; an option named there is the user's, not ours. Raises ScenarioError for one with
@@ -143,7 +146,7 @@ def sumo_arguments(
     return [*arguments, *sumo_options], changed
 
 
-def passed_end(config: SumoConfig, time: float, sumo_options: Sequence[str]) -> tuple[Override, ...]:
+def passed_end(config: SumoConfig, time: float, sumo_options: Sequence[str]) -> tuple[OptionOverride, ...]:
     """Return the override of the scenario's `end` by an ego that has driven on until `time`, s; empty if there is none."""
     if config.end_s is None or time <= config.end_s or _END in given_options(sumo_options):
         return ()

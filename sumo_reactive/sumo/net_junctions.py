@@ -1,23 +1,134 @@
-"""Junctions from a parsed network: the order of their connections and who yields to whom."""
+"""Junctions from a parsed network: their connections (paths, waiting places, lights) in order, and who yields to whom."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.geometry.polyline import Points, cut, joined
-from sumo_reactive.driver.parameters import HOLD_BACK_REACH_M
-from sumo_reactive.driver.world.conflicts import hold_back, inside_part
-from sumo_reactive.driver.world.junction import Connection, Junction
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
+from sumo_reactive.driver.parameters import HOLD_BACK_REACH_M, MIN_PATH_LENGTH_M
+from sumo_reactive.driver.world.junction import Connection, Control, Junction, LightLink, Turn
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.regions import hold_back, inside_part
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.sumo.net_connections import LaneOf, connection_from
-from sumo_reactive.sumo.net_file import Attributes, RawNet
-from sumo_reactive.sumo.net_lanes import coordinates
+from sumo_reactive.sumo.net_file import (
+    Attributes,
+    RawNet,
+    coordinates,
+    from_lane_id,
+    heights_of,
+    lengthened,
+    malformed,
+    to_lane_id,
+)
+
+LaneOf = Callable[[str], Lane]
+
+_TURNS = {"l": Turn.LEFT, "r": Turn.RIGHT, "t": Turn.AROUND}
+_CONTROLS = {
+    "M": Control.MAJOR, "m": Control.MINOR, "=": Control.EQUAL, "s": Control.STOP, "w": Control.ALL_WAY_STOP,
+    "Z": Control.ZIPPER, "-": Control.DEAD_END,
+}  # fmt: skip
+
+
+def connection_id(connection: Attributes) -> str:
+    """Return the id of a connection: `from_lane->to_lane`, or the crossing's lane if it is a pedestrian crossing."""
+    from_lane, to_lane = from_lane_id(connection), to_lane_id(connection)
+    return to_lane if from_lane.startswith(":") else f"{from_lane}->{to_lane}"
+
+
+def parts_of(raw: RawNet, connection: Attributes) -> tuple[str, ...]:
+    """Return the internal lanes of a connection in driving order; a turn that may wait inside has several."""
+    target = (connection["to"], connection["toLane"])
+    parts: list[str] = []
+    via = connection.get("via")
+    while via and via not in parts:
+        parts.append(via)
+        onward = (step for step in raw.leaving.get(via, ()) if (step["to"], step["toLane"]) == target)
+        via = next((step["via"] for step in onward if "via" in step), None)
+    return tuple(parts)
+
+
+def connection_from(raw: RawNet, attributes: Attributes, junction_id: str, index: int, lane_of: LaneOf) -> Connection:
+    """Build one connection of a junction; raise NetworkError naming it if it is malformed."""
+    with malformed(f"{raw.path}: connection '{connection_id(attributes)}'"):
+        return _connection(raw, attributes, junction_id, index, lane_of)
+
+
+def _connection(raw: RawNet, attributes: Attributes, junction_id: str, index: int, lane_of: LaneOf) -> Connection:
+    is_crossing = raw.function(attributes["to"]) == "crossing"
+    parts = (to_lane_id(attributes),) if is_crossing else parts_of(raw, attributes)
+    lanes = [lane_of(part) for part in parts]
+    from_lane = lane_of(from_lane_id(attributes))
+    to_lane = lane_of(_behind_crossing(raw, parts[0]) if is_crossing else to_lane_id(attributes))
+    path = Polyline(_path(lanes, from_lane, to_lane))
+    light = _light(attributes)
+    bounds = lanes or [from_lane, to_lane]
+    return Connection(
+        id=connection_id(attributes),
+        junction_id=junction_id,
+        index=index,
+        from_lane=from_lane.id,
+        to_lane=to_lane.id,
+        parts=parts,
+        path=path,
+        turn=_TURNS.get(attributes.get("dir", "s").lower(), Turn.STRAIGHT),
+        control=Control.LIGHT if light else _CONTROLS.get(attributes["state"], Control.OFF),
+        light=light,
+        wait_at=_wait_at(attributes, lanes, path.length),
+        keep_clear=attributes.get("keepClear", "true").lower() not in ("0", "false"),
+        is_crossing=is_crossing,
+        width=min(lane.width for lane in bounds),
+        speed_limit=min(lane.speed_limit for lane in bounds),
+        heights=_heights(raw, lanes, path),
+    )
+
+
+def _behind_crossing(raw: RawNet, crossing: str) -> str:
+    """Return the walking area on the far side; the crossing itself if the network does not say."""
+    return next((to_lane_id(step) for step in raw.leaving.get(crossing, ())), crossing)
+
+
+def _path(parts: Sequence[Lane], from_lane: Lane, to_lane: Lane) -> Points:
+    """Join the parts' spines, or the lanes' ends straight where there is none; at least the shortest length long."""
+    ends = np.stack([from_lane.spine.points[-1], to_lane.spine.points[0]])
+    points = joined([part.spine.points for part in parts]) if parts else ends
+    if np.hypot(*np.diff(points, axis=0).T).sum() >= MIN_PATH_LENGTH_M:
+        return points
+    return lengthened([tuple(points[0])], from_lane.spine.heading_at(from_lane.spine.length))
+
+
+def _light(attributes: Attributes) -> LightLink | None:
+    """Return the signal; a link index of -1 (the rails of a rail crossing) means none."""
+    if "tl" not in attributes or int(attributes.get("linkIndex", "-1")) < 0:
+        return None
+    return LightLink(attributes["tl"], int(attributes["linkIndex"]))
+
+
+def _wait_at(attributes: Attributes, parts: Sequence[Lane], length: float) -> float | None:
+    """Return the arc length (m) of the waiting place: the stated one, or the end of the last part but one."""
+    stated = float(attributes.get("contPos", "-1"))
+    if 0.0 < stated < length:
+        return stated
+    return min(sum(part.spine.length for part in parts[:-1]), length) if len(parts) > 1 else None
+
+
+def _heights(raw: RawNet, parts: Sequence[Lane], path: Polyline) -> NDArray[np.float64] | None:
+    """Return the elevation of the path's points, shape (n,), m; None in a flat network."""
+    known, at, offset = [], [], 0.0
+    for part in parts:
+        heights = heights_of(raw.lane(part.id)[1]["shape"])
+        if heights is None:
+            return None
+        known.append(heights)
+        at.append(offset + part.spine.arc_lengths)
+        offset += part.spine.length
+    return np.interp(path.arc_lengths, np.concatenate(at), np.concatenate(known)) if known else None
 
 
 def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:
@@ -27,13 +138,10 @@ def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:
         raise NetworkError(f"{raw.path}: unknown junction '{junction_id}'")
     links = list(links_of(raw, element))
     connections = tuple(connection_from(raw, link, junction_id, i, lane_of) for i, link in enumerate(links))
-    try:
+    with malformed(f"{raw.path}: junction '{junction_id}'"):
         right_of_way = _right_of_way(element.findall("request"), connections)
-        outline = _outline(element)
-    except KeyError as error:
-        raise NetworkError(f"{raw.path}: junction '{junction_id}' lacks attribute {error}") from error
-    except ValueError as error:
-        raise NetworkError(f"{raw.path}: junction '{junction_id}': {error}") from error
+        shape = element.get("shape") or f"{element.attrib['x']},{element.attrib['y']}"
+        outline = np.array([point[:2] for point in coordinates(shape)])
     connections = tuple(_with_tail(connection, outline, lane_of) for connection in connections)
     connections = _held_back(connections, lane_of)
     return Junction(junction_id, element.get("type", "unknown"), outline, connections, right_of_way)
@@ -56,7 +164,8 @@ def _held_back(connections: tuple[Connection, ...], lane_of: LaneOf) -> tuple[Co
         if connection.from_lane not in room:
             lane = lane_of(connection.from_lane)
             others = [c for c in cars if lane_of(c.from_lane).edge_id != lane.edge_id]
-            room[lane.id], reaching = hold_back(lane.spine, [_with_exit(c, lane_of) for c in others])
+            paths = [joined([c.path.points, _exit(c, lane_of)]) for c in others]
+            room[lane.id], reaching = hold_back(lane.spine, paths)
             over.update(others[i].id for i in reaching)
     return tuple(_around(c, room.get(c.from_lane, 0.0), lane_of, over=c.id in over) for c in connections)
 
@@ -69,12 +178,8 @@ def _around(connection: Connection, room: float, lane_of: LaneOf, *, over: bool)
     return replace(connection, tail=_exit(connection, lane_of)) if over else connection
 
 
-def _with_exit(connection: Connection, lane_of: LaneOf) -> Points:
-    """Return a connection's path and the start of the lane behind it."""
-    return joined([connection.path.points, _exit(connection, lane_of)])
-
-
 def _exit(connection: Connection, lane_of: LaneOf) -> Points:
+    """Return the start of the lane behind a connection."""
     spine = lane_of(connection.to_lane).spine
     return cut(spine, 0.0, min(spine.length, HOLD_BACK_REACH_M))
 
@@ -94,24 +199,14 @@ def links_of(raw: RawNet, junction: Element) -> Iterator[Attributes]:
 
 
 def _right_of_way(requests: Sequence[Element], connections: Sequence[Connection]) -> RightOfWay:
-    """Read the rows `response` and `foes`; connections without a row neither yield nor conflict."""
+    """Read the rows `response` and `foes`, whose last letter stands for connection 0; connections without a row neither
+    yield nor conflict."""
     size = len(connections)
-    yields, conflicts = np.zeros((size, size), dtype=bool), np.zeros((size, size), dtype=bool)
+    tables = {name: np.zeros((size, size), dtype=bool) for name in ("response", "foes")}
     for request in requests:
         row = int(request.attrib["index"])
-        if 0 <= row < size:
-            _read_bits(request.attrib["response"], yields[row])
-            _read_bits(request.attrib["foes"], conflicts[row])
-    return RightOfWay(yields, conflicts)
-
-
-def _read_bits(bits: str, row: NDArray[np.bool_]) -> None:
-    """Fill a table row from a bit string, whose last letter stands for connection 0."""
-    for i, bit in enumerate(reversed(bits[-len(row) :])):
-        row[i] = bit == "1"
-
-
-def _outline(junction: Element) -> Points:
-    """Return the junction's shape, (n, 2), m; its centre if it has none."""
-    shape = junction.get("shape") or f"{junction.attrib['x']},{junction.attrib['y']}"
-    return np.array([point[:2] for point in coordinates(shape)])
+        for name, table in tables.items():
+            if 0 <= row < size:
+                bits = request.attrib[name][-size:]
+                table[row, : len(bits)] = [bit == "1" for bit in reversed(bits)]
+    return RightOfWay(tables["response"], tables["foes"])

@@ -2,25 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Protocol
 from xml.etree.ElementTree import Element
 
+from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.parameters import APPROACH_HORIZON_M
-from sumo_reactive.driver.world.approach import Approach, approaches_to
-from sumo_reactive.driver.world.conflicts import conflict_regions
 from sumo_reactive.driver.world.junction import Connection, Junction
-from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.opposite import nearest_opposite
-from sumo_reactive.driver.world.regions import ConflictRegion
-from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.lane import Lane, nearest_opposite
+from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions
+from sumo_reactive.driver.world.road_graph import Approach, RoadGraph, approaches_to
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.sumo.net_file import RawNet, edge_id_of, parse
-from sumo_reactive.sumo.net_junctions import junction_from
-from sumo_reactive.sumo.net_lanes import lane_from
-from sumo_reactive.sumo.net_upstream import NetUpstream
+from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id, lane_from, parse
+from sumo_reactive.sumo.net_junctions import junction_from, parts_of
+
+_ALL = 1 << 31
+"""Whatever has been built is kept for the next route."""
+
+
+class NetUpstream:
+    """Answers `world.approach.Upstream` from a parsed network."""
+
+    def __init__(self, raw: RawNet, lane_of: Callable[[str], Lane]) -> None:
+        self._raw, self._lane_of = raw, lane_of
+
+    def edge_of(self, lane_id: str) -> str:
+        """Return the edge that a lane belongs to."""
+        return edge_id_of(lane_id)
+
+    def ends_of(self, edge_id: str) -> tuple[str, str]:
+        """Return the junctions where an edge starts and ends."""
+        edge = self._raw.edge(edge_id).attrib
+        return edge["from"], edge["to"]
+
+    @kept(_ALL)
+    def spine_length(self, lane_id: str) -> float:
+        """Return the length of a lane's spine, m."""
+        return sum(math.dist(a, b) for a, b in pairwise(self._lane_of(lane_id).spine.points.tolist()))
+
+    @kept(_ALL)
+    def arrivals(self, lane_id: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """Return (lane before the junction, internal lanes in driving order) of the connections into a lane."""
+        return tuple((from_lane_id(link), parts_of(self._raw, link)) for link in self._raw.arriving.get(lane_id, ()))
+
+    @kept(_ALL)
+    def detours(self, lane_id: str, edge_id: str) -> tuple[str, ...]:
+        """Return the lanes beside `lane_id` from which no connection leads to `edge_id`."""
+        own = self._lane_of(lane_id).allowed
+        beside = (lane for lane in self._raw.lane_ids(edge_id_of(lane_id)) if lane != lane_id)
+        away = (lane for lane in beside if all(link["to"] != edge_id for link in self._raw.leaving.get(lane, ())))
+        return tuple(lane for lane in away if own & self._lane_of(lane).allowed)
 
 
 def read_net(path: Path) -> NetFile:
@@ -43,11 +77,7 @@ class NetFile:
 
     def __init__(self, raw: RawNet) -> None:
         self._raw = raw
-        self._lanes: dict[str, Lane] = {}
-        self._junctions: dict[str, Junction] = {}
         self._regions: dict[str, tuple[ConflictRegion, ...]] = {}
-        self._approaches: dict[str, tuple[Approach, ...]] = {}
-        self._opposites: dict[str, str | None] = {}
         self._upstream = NetUpstream(raw, self.lane)
 
     @property
@@ -60,17 +90,15 @@ class NetFile:
         """Whether traffic keeps to the left."""
         return self._raw.left_hand
 
+    @kept(_ALL)
     def lane(self, lane_id: str) -> Lane:
         """Return a lane; raise NetworkError if the network has none of that id."""
-        if lane_id not in self._lanes:
-            self._lanes[lane_id] = lane_from(self._raw, lane_id)
-        return self._lanes[lane_id]
+        return lane_from(self._raw, lane_id)
 
+    @kept(_ALL)
     def junction(self, junction_id: str) -> Junction:
         """Return a junction with its connections; raise NetworkError if the network has none of that id."""
-        if junction_id not in self._junctions:
-            self._junctions[junction_id] = junction_from(self._raw, junction_id, self.lane)
-        return self._junctions[junction_id]
+        return junction_from(self._raw, junction_id, self.lane)
 
     def build(self, *routes: Sequence[str]) -> RoadGraph:
         """Build W around one or several routes of normal edges.
@@ -85,12 +113,19 @@ class NetFile:
         opposite = {edge: other for edge in edges if (other := self._opposite_of(edge))}
         regions = self._regions_on(routes, junctions)
         others = {region.other_id for found in regions.values() for region in found}
-        approaches = {c.id: self._approaches_of(c) for c in connections if c.id in others}
+        approaches = {
+            c.id: () if c.is_crossing else self._approaches_of(c.from_lane, edge_id_of(c.to_lane))
+            for c in connections
+            if c.id in others
+        }
         edge_lanes = self._edge_lanes([*edges, *opposite.values()], connections)
         inside = [part for connection in connections for part in connection.parts]
         upstream = [approach.lane_id for found in approaches.values() for approach in found]
         return RoadGraph(
-            lanes=self._lane_table(edge_lanes.values(), inside, upstream),
+            lanes={
+                **{lane.id: lane for lanes in edge_lanes.values() for lane in lanes},
+                **{lane_id: self.lane(lane_id) for lane_id in (*inside, *upstream)},
+            },
             edge_lanes=edge_lanes,
             junctions=junctions,
             connections={connection.id: connection for connection in connections},
@@ -119,11 +154,6 @@ class NetFile:
         wanted = dict.fromkeys([*edges, *joined])
         return {edge: tuple(self.lane(lane) for lane in self._raw.lane_ids(edge)) for edge in wanted}
 
-    def _lane_table(self, edge_lanes: Iterable[Iterable[Lane]], *more: Iterable[str]) -> dict[str, Lane]:
-        lanes = {lane.id: lane for found in edge_lanes for lane in found}
-        lanes.update((lane_id, self.lane(lane_id)) for ids in more for lane_id in ids)
-        return lanes
-
     def _regions_on(
         self, routes: Iterable[Sequence[str]], junctions: dict[str, Junction]
     ) -> dict[str, tuple[ConflictRegion, ...]]:
@@ -138,25 +168,19 @@ class NetFile:
             regions.update((own.id, self._regions[own.id]) for own in owns)
         return regions
 
-    def _approaches_of(self, connection: Connection) -> tuple[Approach, ...]:
-        """Return the lanes that lead to a connection; none to a pedestrian crossing."""
-        if connection.is_crossing:
-            return ()
-        if connection.id not in self._approaches:
-            to_edge = edge_id_of(connection.to_lane)
-            found = approaches_to(connection.from_lane, to_edge, self._upstream, APPROACH_HORIZON_M)
-            self._approaches[connection.id] = found
-        return self._approaches[connection.id]
+    @kept(_ALL)
+    def _approaches_of(self, from_lane: str, to_edge: str) -> tuple[Approach, ...]:
+        """Return the lanes that lead to the connections from a lane to an edge."""
+        return tuple(approaches_to(from_lane, to_edge, self._upstream, APPROACH_HORIZON_M))
 
+    @kept(_ALL)
     def _opposite_of(self, edge_id: str) -> str | None:
         """Return the edge that shares the carriageway in the other direction, if there is one."""
-        if edge_id not in self._opposites:
-            edge = self._normal_edge(edge_id)
-            back = self._raw.joining.get((edge.attrib["to"], edge.attrib["from"]), ())
-            candidates = [self.lane(self._raw.lane_ids(other)[-1]) for other in back if other != edge_id]
-            found = nearest_opposite(self.lane(self._raw.lane_ids(edge_id)[-1]), candidates)
-            self._opposites[edge_id] = found.edge_id if found else None
-        return self._opposites[edge_id]
+        edge = self._normal_edge(edge_id)
+        back = self._raw.joining.get((edge.attrib["to"], edge.attrib["from"]), ())
+        innermost = [self.lane(self._raw.lane_ids(one)[-1]) for one in (edge_id, *back)]
+        found = nearest_opposite(innermost[0], [lane for lane in innermost[1:] if lane.edge_id != edge_id])
+        return found.edge_id if found else None
 
 
 def _grouped(items: Iterable[tuple[str, Connection]]) -> dict[str, tuple[Connection, ...]]:

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.nouns.traffic import Traffic
 from sumo_reactive.driver.parameters import LANES_REFRESH_M
 from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
-from sumo_reactive.driver.world.junction import Connection
-from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
 from sumo_reactive.sumo.static_obstacles import StaticView
 
 
-class Observer:
+class EgoObserver:
     """Directs the sensor's look to what matters for one ego."""
 
     def __init__(self, ego_id: str, sensor: Sensor) -> None:
@@ -44,42 +41,26 @@ class Observer:
         lights = {light: sensor.letters(light) for light in self._lights}
         static = self._static.near(*plan.curve.at(front)[:2])
         others = [user for user in sensor.vehicles(self._lanes) if user.id != self._ego_id]
-        users = (*others, *self._persons(), *static.users)
+        walking = (user for crossing in self._crossings for user in sensor.on_crossing(crossing))
+        users = (*others, *walking, *static.users)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(now, users, lights, sight, static.points, beside)
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""
-        lanes, crossings = [], []
-        for lane_id in lanes_in_sight(graph, plan, front, speed, sight):
-            seen = _seen(graph, lane_id)
-            if isinstance(seen, SeenLane):
-                lanes.append(seen)
-            else:
-                crossings.append(seen)
-        self._lanes, self._crossings = tuple(lanes), tuple(crossings)
-        lights: dict[str, None] = {}
-        for index in in_sight(plan, front, speed):
-            junction = graph.junctions[plan.passages[index].junction_id]
-            lights.update((c.light.light_id, None) for c in junction.connections if c.light)
-        self._lights = tuple(lights)
-
-    def _persons(self) -> Iterator[RoadUser]:
-        """Yield who walks over a crossing."""
-        for crossing in self._crossings:
-            yield from self._sensor.on_crossing(crossing)
+        seen = [_seen(graph, lane_id) for lane_id in lanes_in_sight(graph, plan, front, speed, sight)]
+        self._lanes = tuple(one for one in seen if isinstance(one, SeenLane))
+        self._crossings = tuple(one for one in seen if isinstance(one, SeenCrossing))
+        ahead = [graph.junctions[plan.passages[index].junction_id] for index in in_sight(plan, front, speed)]
+        self._lights = tuple(dict.fromkeys(c.light.light_id for one in ahead for c in one.connections if c.light))
 
 
 @kept(16384)
 def _seen(graph: RoadGraph, lane_id: str) -> SeenLane | SeenCrossing:
     """Return what to look at for a lane of the graph."""
     lane, connection = graph.lanes[lane_id], graph.connection_of.get(lane_id)
-    if connection is not None and connection.is_crossing:
-        return _crossing(connection, lane)
-    return SeenLane(lane_id, lane.edge_id, lane.scale, lane.is_internal)
-
-
-def _crossing(connection: Connection, lane: Lane) -> SeenCrossing:
+    if connection is None or not connection.is_crossing:
+        return SeenLane(lane_id, lane.edge_id, lane.scale, lane.is_internal)
     spine = lane.spine
     walks = dict.fromkeys(edge_id_of(end) for end in (connection.from_lane, connection.to_lane))
     first, last = spine.at(0.0), spine.at(spine.length)

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import ParseError
 from sumolib.xml import parse
 
 from sumo_reactive.errors import SimulationError
-from sumo_reactive.sumo.option_names import OUTPUT_FILES
+from sumo_reactive.sumo.config import OUTPUT_FILES
 
 AS_READ = {"output-prefix": "", "human-readable-time": "false", "precision": "2"}
 """Options that make a file lie where it was asked for, and its numbers readable."""
@@ -82,19 +82,9 @@ def read_teleports(path: Path) -> int:
 def _trip(read: Any) -> TripInfo:
     departure, delay, arrival, duration, length, waiting, stops, loss = (float(getattr(read, key) or 0) for key in _NUMBERS)
     pollutants = [float(getattr(found, key) or 0) for found in read.emissions or () for key in _POLLUTANTS]
-    return TripInfo(
-        read.id or "",
-        departure if departure >= 0.0 else None,
-        delay,
-        arrival if arrival >= 0.0 else None,
-        duration,
-        length,
-        waiting,
-        int(stops),
-        loss,
-        bool(read.vaporized),
-        *pollutants,
-    )
+    departed, arrived = (time if time >= 0.0 else None for time in (departure, arrival))
+    figures = departed, delay, arrived, duration, length, waiting, int(stops), loss
+    return TripInfo(read.id or "", *figures, bool(read.vaporized), *pollutants)
 
 
 def _elements(path: Path, tag: str, attributes: Sequence[str], **children: Sequence[str]) -> Iterator[Any]:

@@ -1,4 +1,4 @@
-"""The eyes of all egos: each road user is read once a step, whoever looks at it."""
+"""The eyes of all egos: each road user and each light is read once a step, whoever looks at it."""
 
 from __future__ import annotations
 
@@ -9,18 +9,60 @@ from typing import NamedTuple
 
 import libsumo
 
+from sumo_reactive.driver import parameters
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
-from sumo_reactive.driver.parameters import (
-    OBSTACLE_POLYGONS,
-    PERSON_DECELERATION,
-    ROUTE_REFRESH_S,
-    STANDING_SPEED,
-    STEPPING_ON_M,
-)
-from sumo_reactive.sumo.ghosts import is_ghost
+from sumo_reactive.sumo.net_file import edge_id_of
+from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.static_obstacles import StaticObstacles
-from sumo_reactive.sumo.stop_lines import Signals, read_signals
-from sumo_reactive.sumo.units import heading_of
+from sumo_reactive.sumo.vehicle_type import heading_of
+
+
+class Signals(NamedTuple):
+    """What SUMO's lights rule: `links` maps ways over a stop line to (light, index of its letter), `before` edges to the
+    lights at their ends.
+
+    A way is (lane, lane), or (edge, lane inside the junction): SUMO may have a body that swings out on the lane beside.
+    """
+
+    links: dict[tuple[str, str], tuple[str, int]]
+    before: dict[str, tuple[str, ...]]
+
+
+def read_signals() -> Signals:
+    """Return what the lights of the running simulation rule."""
+    links: dict[tuple[str, str], tuple[str, int]] = {}
+    before: dict[str, tuple[str, ...]] = {}
+    for light in libsumo.trafficlight.getIDList():
+        for index, ways in enumerate(libsumo.trafficlight.getControlledLinks(light)):
+            for lane, behind, inside in ways:
+                edge = edge_id_of(lane)
+                links[lane, behind] = links[lane, inside] = links[edge, inside] = light, index
+                before[edge] = tuple(dict.fromkeys((*before.get(edge, ()), light)))
+    return Signals(links, before)
+
+
+class StopLines:
+    """Watches one vehicle."""
+
+    def __init__(self, signals: Signals) -> None:
+        self._signals = signals
+        self._lane = ""
+        self._letters: dict[str, str] = {}
+
+    def crossed(self, lane_id: str) -> str:
+        """Return the letters that the light showed before a step and in it, if the vehicle crosses its stop line in that
+        step; else an empty text. `lane_id`: where SUMO has the vehicle after the step (empty: nowhere)."""
+        found, links = "", self._signals.links
+        if lane_id and lane_id != self._lane:
+            link = links.get((self._lane, lane_id)) or links.get((edge_id_of(self._lane), lane_id))
+            if link is not None:
+                light, index = link
+                found = self._letters[light][index] + libsumo.trafficlight.getRedYellowGreenState(light)[index]
+            self._lane = lane_id
+        ahead = self._signals.before.get(edge_id_of(self._lane), ())
+        self._letters = {light: libsumo.trafficlight.getRedYellowGreenState(light) for light in ahead}
+        return found
+
 
 ROUTE_AHEAD = 16
 """Edges of another vehicle's route that are kept."""
@@ -60,7 +102,7 @@ class Sensor:
     What one ego has looked at in a step is not read again for the next one.
     """
 
-    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
+    def __init__(self, polygon_type: str = parameters.OBSTACLE_POLYGONS) -> None:
         self.static = StaticObstacles(polygon_type)
         self._known: dict[str, _Known] = {}
         self._walkers: dict[str, Body] = {}
@@ -111,14 +153,14 @@ class Sensor:
         vehicle, known_ones, now = libsumo.vehicle, self._known, self._now
         for name in names:
             known = known_ones.get(name)
-            if known is None and is_ghost(name):
+            if known is None and is_stand_in(name):
                 continue
             if known is None or known.edge_id != edge_id or now >= known.until:
                 known = self._know(name, known, edge_id, internal)
             x, y = vehicle.getPosition(name)
             heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name) * scale
             position = vehicle.getLanePosition(name) * scale
-            if speed > STANDING_SPEED:
+            if speed > parameters.STANDING_SPEED:
                 yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route)
                 continue
             waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
@@ -142,7 +184,7 @@ class Sensor:
         away, position, heading = min(
             (math.hypot(x - px, y - py), at, along) for px, py, at, along in crossing.ends
         )
-        if away < STEPPING_ON_M:
+        if away < parameters.STEPPING_ON_M:
             yield self._walker(name, crossing.lane_id, heading, position - away if position == 0.0 else position + away)
 
     def _walker(self, name: str, lane_id: str, heading: float, position: float) -> RoadUser:
@@ -150,7 +192,7 @@ class Sensor:
         body = self._walkers.get(name)
         if body is None:
             length, width = person.getLength(name), person.getWidth(name)
-            body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
+            body = Body(length, width, parameters.PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
             self._walkers[name] = body
         x, y = person.getPosition(name)
         return RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
@@ -159,15 +201,12 @@ class Sensor:
         """Read what changes seldom: the body once, the edges still to drive on a new edge and every few seconds."""
         index = max(libsumo.vehicle.getRouteIndex(name) + (1 if internal else 0), 0)
         route = tuple(libsumo.vehicle.getRoute(name)[index : index + ROUTE_AHEAD])
-        self._known[name] = _Known(known.body if known else _body(name), self._now + ROUTE_REFRESH_S, edge_id, route)
-        return self._known[name]
+        until = self._now + parameters.ROUTE_REFRESH_S
+        found = self._known[name] = _Known(known.body if known else _body(name), until, edge_id, route)
+        return found
 
 
 def _body(name: str) -> Body:
     vehicle = libsumo.vehicle
-    return Body(
-        vehicle.getLength(name),
-        vehicle.getWidth(name),
-        max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name)),
-        vehicle.getMaxSpeed(name),
-    )
+    braking = max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name))
+    return Body(vehicle.getLength(name), vehicle.getWidth(name), braking, vehicle.getMaxSpeed(name))

@@ -16,7 +16,7 @@ from typing import IO
 import libsumo
 
 from sumo_reactive.errors import ScenarioError, SimulationError
-from sumo_reactive.sumo.ghosts import is_ghost
+from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 
 _ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
@@ -37,7 +37,7 @@ class Session:
                 with _standard_error_to(heard):
                     libsumo.start(self._arguments)
             except (*_ERRORS, RuntimeError) as error:
-                reason = _first_error(heard) or _in_one_line(error)
+                reason = _first_error(heard) or " ".join(str(error).split()) or type(error).__name__
                 raise ScenarioError(f"SUMO rejects the scenario: {reason}") from error
             if not libsumo.isLoaded():
                 raise ScenarioError(f"SUMO rejects the scenario: {_first_error(heard) or 'it ends before it loads'}")
@@ -49,7 +49,8 @@ class Session:
         with contextlib.suppress(*_ERRORS):
             libsumo.close()
         if isinstance(value, _ERRORS) or (type(value) is RuntimeError and _is_from_sumo(value)):
-            raise SimulationError(f"SUMO failed{time}: {_first_line(value)}") from value
+            said = (line.strip() for line in str(value).splitlines() if line.strip())
+            raise SimulationError(f"SUMO failed{time}: {next(said, type(value).__name__)}") from value
 
     def _time_if_known(self) -> str:
         try:
@@ -70,7 +71,7 @@ class Session:
     @property
     def departed(self) -> tuple[str, ...]:
         """Ids of the vehicles that departed in the last step, stand-ins left out."""
-        return tuple(name for name in libsumo.simulation.getDepartedIDList() if not is_ghost(name))
+        return tuple(name for name in libsumo.simulation.getDepartedIDList() if not is_stand_in(name))
 
     def step(self) -> None:
         """Simulate one step."""
@@ -161,17 +162,7 @@ def _first_error(file: IO[bytes]) -> str:
     return next((line.removeprefix("Error:").strip() for line in lines if line.startswith("Error:")), "")
 
 
-def _in_one_line(error: Exception) -> str:
-    """Return all that SUMO says of a file that it cannot read: what, in which file, at which line."""
-    return " ".join(str(error).split()) or type(error).__name__
-
-
 def _is_from_sumo(error: BaseException) -> bool:
     """Whether SUMO's own code raised an error: one that its library does not know, it hands on as a RuntimeError."""
     *_, (frame, _) = walk_tb(error.__traceback__)
     return Path(frame.f_code.co_filename).parent == Path(libsumo.__file__).parent
-
-
-def _first_line(error: BaseException) -> str:
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return lines[0] if lines else type(error).__name__

@@ -11,21 +11,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from sumo_reactive.driver import parameters
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Body, RoadUser
-from sumo_reactive.driver.parameters import (
-    LANES_REFRESH_M,
-    OBSTACLE_POLYGONS,
-    OUTLINE_STEP_M,
-    POLYGON_REACH_M,
-    STANDING_SPEED,
-    STATIC_SIGHT_M,
-    THIN_POLYGON_M,
-)
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.units import heading_of
+from sumo_reactive.sumo.vehicle_type import heading_of
 
-Array = NDArray[np.float64]
+_Points = NDArray[np.float64]
 
 LARGEST_OBSTACLE_M = 10_000.0
 """Side of the largest obstacle; a larger polygon is an error of its coordinates."""
@@ -37,19 +29,19 @@ class Static(NamedTuple):
     """What stands near: polygons as `users`; `points` (k, 2), m, of O_S on the outlines of polygons and parked vehicles."""
 
     users: tuple[RoadUser, ...]
-    points: Array
+    points: _Points
 
 
 class StaticObstacles:
     """Reads the polygons once, and keeps account of parked vehicles from step to step."""
 
-    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
+    def __init__(self, polygon_type: str = parameters.OBSTACLE_POLYGONS) -> None:
         polygon, vehicle = libsumo.polygon, libsumo.vehicle
         names = [name for name in polygon.getIDList() if polygon.getType(name) == polygon_type]
         hulls = {name: hull_of(_finite(name, polygon.getShape(name))) for name in names}
         self.users = tuple(standing(f"polygon:{name}", hull) for name, hull in hulls.items())
         self.outlines = tuple(outline(hull) for hull in hulls.values())
-        self.parked: dict[str, Array] = {}
+        self.parked: dict[str, _Points] = {}
         self.changes = 0
         self._park(name for name in vehicle.getIDList() if vehicle.isStoppedParking(name))
 
@@ -90,18 +82,18 @@ class StaticView:
         """Return what stands near (x, y), m."""
         changes = self._obstacles.changes
         was_x, was_y, seen = self._seen
-        if changes != seen or max(abs(x - was_x), abs(y - was_y)) > LANES_REFRESH_M:
+        if changes != seen or max(abs(x - was_x), abs(y - was_y)) > parameters.LANES_REFRESH_M:
             self._seen = x, y, changes
             self._near = Static(tuple(u for u in self._obstacles.users if _is_near(u, x, y)), self._points(x, y))
         return self._near
 
-    def _points(self, x: float, y: float) -> Array:
+    def _points(self, x: float, y: float) -> _Points:
         parked = (points for name, points in self._obstacles.parked.items() if name != self._ego_id)
         outlines = (*self._obstacles.outlines, *parked)
         if not outlines:
             return NO_POINTS
         points = np.concatenate(outlines)
-        return np.asarray(points[np.abs(points - (x, y)).max(axis=1) < STATIC_SIGHT_M])
+        return np.asarray(points[np.abs(points - (x, y)).max(axis=1) < parameters.STATIC_SIGHT_M])
 
 
 def _finite(name: str, shape: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
@@ -117,12 +109,12 @@ def _finite(name: str, shape: Sequence[tuple[float, float]]) -> Sequence[tuple[f
 def hull_of(shape: Iterable[tuple[float, float]]) -> shapely.Polygon:
     """Return the convex hull of a polygon's points; a line or a single point gets a width of 2 · THIN_POLYGON_M."""
     hull = shapely.MultiPoint([point[:2] for point in shape]).convex_hull
-    return hull if hull.area > 0.0 else hull.buffer(THIN_POLYGON_M, cap_style="square", join_style="mitre")
+    return hull if hull.area > 0.0 else hull.buffer(parameters.THIN_POLYGON_M, cap_style="square", join_style="mitre")
 
 
-def outline(shape: shapely.Polygon) -> Array:
+def outline(shape: shapely.Polygon) -> _Points:
     """Return points (n, 2), m, on the outline of a shape, at most OUTLINE_STEP_M apart."""
-    ring: Array = shapely.get_coordinates(shapely.segmentize(shape.exterior, OUTLINE_STEP_M))
+    ring: _Points = shapely.get_coordinates(shapely.segmentize(shape.exterior, parameters.OUTLINE_STEP_M))
     return ring[:-1]
 
 
@@ -134,7 +126,7 @@ def standing(name: str, hull: shapely.Polygon) -> RoadUser:
     along = sides @ (math.cos(road), math.sin(road)) / np.hypot(*sides.T)
     first = int(np.argmax(np.abs(along)))
     ahead = math.copysign(1.0, along[first]) * sides[first]
-    body = Body(float(np.hypot(*ahead)), float(np.hypot(*sides[1 - first])), _FIRM, STANDING_SPEED)
+    body = Body(float(np.hypot(*ahead)), float(np.hypot(*sides[1 - first])), _FIRM, parameters.STANDING_SPEED)
     front_x, front_y = (x, y) + 0.5 * ahead
     return RoadUser(name, float(front_x), float(front_y), math.atan2(ahead[1], ahead[0]), 0.0, "", 0.0, body, is_halted=True)
 
@@ -149,5 +141,5 @@ def _road_heading(x: float, y: float) -> float:
 
 
 def _is_near(user: RoadUser, x: float, y: float) -> bool:
-    reach = POLYGON_REACH_M + user.body.length + user.body.width
+    reach = parameters.POLYGON_REACH_M + user.body.length + user.body.width
     return abs(user.x - x) < reach and abs(user.y - y) < reach

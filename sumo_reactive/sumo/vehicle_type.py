@@ -1,25 +1,80 @@
-"""The ego's dimensions and limits, read from its SUMO vehicle type."""
+"""What SUMO says of a vehicle: dimensions and limits of its type, where its trip ends, places in SUMO's units."""
 
 from __future__ import annotations
 
+import contextlib
 import math
+import re
+import tempfile
+from pathlib import Path
 
 import libsumo
 
-from sumo_reactive.driver.parameters import (
-    COMFORT_DECELERATION,
-    COMFORT_LATERAL_ACCELERATION,
-    FRONT_OVERHANG_FRACTION,
-    LONG_VEHICLE_STEERING_ANGLE,
-    MAX_LATERAL_ACCELERATION,
-    MAX_STEERING_ANGLE,
-    MAX_STEERING_RATE,
-    STANDSTILL_GAP_M,
-    TURNING_CIRCLE_M,
-    WHEELBASE_FRACTION,
-)
+from sumo_reactive.driver import parameters
+from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ScenarioError
+
+KEEP_ROUTE_EXACT = 3
+"""moveToXY: keep the route (bit 0) and the exact position (bit 1)."""
+
+FREE_EXACT = 2
+"""moveToXY: any lane, the exact position; the route may be replaced."""
+
+
+def heading_of(angle: float) -> float:
+    """Turn SUMO's navigational degrees (clockwise from north) into a heading, rad from the x axis."""
+    return math.radians(90.0 - angle)
+
+
+def angle_of(heading: float) -> float:
+    """Turn a heading (rad) into navigational degrees in [0, 360)."""
+    return (90.0 - math.degrees(heading)) % 360.0
+
+
+def front_of(pose: Pose, limits: VehicleLimits) -> tuple[float, float]:
+    """Return SUMO's reference point, the centre of the front bumper, of a rear-axle pose."""
+    reach = limits.front_to_rear_axle
+    return pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
+
+
+def pose_of(x: float, y: float, heading: float, limits: VehicleLimits) -> Pose:
+    """Return the rear-axle pose of a front-bumper point (m) and heading (rad)."""
+    reach = limits.front_to_rear_axle
+    return Pose(x - reach * math.cos(heading), y - reach * math.sin(heading), heading)
+
+
+_ATTRIBUTE = re.compile(r'\b(arrivalPos|arrivalPosRandomized|arrivalLane)="([^"]*)"')
+
+
+def arrival_of(vehicle_id: str) -> tuple[float | None, int | None]:
+    """Return arrival position (m on the last lane, negative: from its end) and lane index of a running vehicle.
+
+    None stands for what the trip leaves open: "max", "current" or nothing; "random" is what SUMO has drawn. Takes one
+    saved state: 10 ms with 70 vehicles, 45 ms in a city; the run goes on unchanged.
+    """
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        state = Path(folder) / "state.xml"
+        try:
+            libsumo.simulation.saveState(str(state))
+        except libsumo.TraCIException:  # a scenario with parts that SUMO cannot save: the trip ends at the lane's end
+            return None, None
+        return _arrival_in(state, vehicle_id)
+
+
+def _arrival_in(state: Path, vehicle_id: str) -> tuple[float | None, int | None]:
+    start = f'<vehicle id="{vehicle_id}" '
+    with state.open(encoding="utf-8", errors="replace") as lines:
+        tag = next((line for line in lines if start in line), "")
+    found = dict(_ATTRIBUTE.findall(tag))
+    values: dict[str, float] = {}
+    for name, text in found.items():
+        with contextlib.suppress(ValueError):
+            values[name] = float(text)
+    lane = values.get("arrivalLane")
+    position = values.get("arrivalPos", values.get("arrivalPosRandomized"))  # "random": SUMO has drawn it
+    return position, None if lane is None else int(lane)
+
 
 NOT_ROAD_CARS = frozenset(
     {"rail", "rail_urban", "rail_electric", "rail_fast", "tram", "subway", "cable_car", "ship", "aircraft", "drone"}
@@ -39,18 +94,18 @@ def limits_of(vehicle_id: str) -> VehicleLimits:
     values = {
         "length": length,
         "width": vehicle.getWidth(vehicle_id),
-        "wheelbase": WHEELBASE_FRACTION * length,
-        "front_overhang": FRONT_OVERHANG_FRACTION * length,
+        "wheelbase": parameters.WHEELBASE_FRACTION * length,
+        "front_overhang": parameters.FRONT_OVERHANG_FRACTION * length,
         "max_speed": vehicle.getMaxSpeed(vehicle_id),
         "max_acceleration": vehicle.getAccel(vehicle_id),
-        "comfort_deceleration": min(COMFORT_DECELERATION, service),
+        "comfort_deceleration": min(parameters.COMFORT_DECELERATION, service),
         "service_deceleration": service,
         "emergency_deceleration": max(service, vehicle.getEmergencyDecel(vehicle_id)),
-        "max_steering_rate": MAX_STEERING_RATE,
-        "max_lateral_acceleration": MAX_LATERAL_ACCELERATION,
-        "comfort_lateral_acceleration": COMFORT_LATERAL_ACCELERATION,
+        "max_steering_rate": parameters.MAX_STEERING_RATE,
+        "max_lateral_acceleration": parameters.MAX_LATERAL_ACCELERATION,
+        "comfort_lateral_acceleration": parameters.COMFORT_LATERAL_ACCELERATION,
         "time_headway": vehicle.getTau(vehicle_id),
-        "standstill_gap": min(STANDSTILL_GAP_M, max(vehicle.getMinGap(vehicle_id), 1.0)),
+        "standstill_gap": min(parameters.STANDSTILL_GAP_M, max(vehicle.getMinGap(vehicle_id), 1.0)),
     }
     values.update(_overrides(vehicle_id, (*values, "max_steering_angle")))
     sizes = values["wheelbase"], values["front_overhang"], values["width"]
@@ -67,8 +122,8 @@ def steering_angle_of(wheelbase: float, front_overhang: float, width: float) -> 
     (L + overhang)² + (L / tanφ + width / 2)² = radius².
     """
     ahead = wheelbase + front_overhang
-    rear = math.sqrt(max(TURNING_CIRCLE_M**2 - ahead * ahead, 0.0)) - 0.5 * width
-    return min(max(MAX_STEERING_ANGLE, math.atan2(wheelbase, rear)), LONG_VEHICLE_STEERING_ANGLE)
+    rear = math.sqrt(max(parameters.TURNING_CIRCLE_M**2 - ahead * ahead, 0.0)) - 0.5 * width
+    return min(max(parameters.MAX_STEERING_ANGLE, math.atan2(wheelbase, rear)), parameters.LONG_VEHICLE_STEERING_ANGLE)
 
 
 def _overrides(vehicle_id: str, names: tuple[str, ...]) -> dict[str, float]:

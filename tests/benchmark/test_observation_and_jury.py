@@ -15,10 +15,10 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
-from sumo_reactive.lab.metrics import Jury
-from sumo_reactive.sumo.observer import Observer
+from sumo_reactive.lab.metrics.jury import Jury
+from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.sensor import Sensor
-from sumo_reactive.sumo.units import heading_of, pose_of
+from sumo_reactive.sumo.vehicle_type import heading_of, pose_of
 
 EGO, NETWORK, UNTIL_S = "ego", "signalised_left_turns", 25.0
 
@@ -43,14 +43,14 @@ def simulation() -> Iterator[tuple[RoadGraph, NominalPlan]]:
 
 def test_observing_the_lanes_in_sight(benchmark, simulation):
     graph, nominal = simulation
-    traffic = benchmark(Observer(EGO, Sensor()).observe, graph, nominal, 0.0, 10.0, 0.0)
+    traffic = benchmark(EgoObserver(EGO, Sensor()).observe, graph, nominal, 0.0, 10.0, 0.0)
     assert traffic.users
     assert all(user.id != EGO for user in traffic.users)
 
 
 def test_judging_a_step(benchmark, simulation):
     graph, nominal = simulation
-    traffic = Observer(EGO, Sensor()).observe(graph, nominal, 0.0, 10.0, 0.0)
+    traffic = EgoObserver(EGO, Sensor()).observe(graph, nominal, 0.0, 10.0, 0.0)
     x, y, heading = nominal.curve.at(0.0)
     jury, now = Jury(CAR.length, CAR.width, CAR.wheelbase, graph), count(UNTIL_S)
     benchmark(lambda: jury.see(Scene(_record(next(now), x, y, heading), traffic.users)))

@@ -5,26 +5,19 @@ from __future__ import annotations
 import json
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 import sumo
+from helpers.programs import ROOT, started_anew, sumo_reactive
 
-ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 SUMO = Path(sumo.SUMO_HOME) / "bin" / "sumo"
 
 
-def compare(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run the command."""
-    command = [sys.executable, "-m", "sumo_reactive", "compare", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=400, cwd=cwd, check=False)
-
-
 def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tmp_path):
-    answer = compare(FOUR_WAY, "--ego", "ego", "--seed", "1-2", "--jobs", 2, "--out", "out", cwd=tmp_path)
+    answer = started_anew("compare", FOUR_WAY, "--ego", "ego", "--seed", "1-2", "--jobs", 2, "--out", "out", cwd=tmp_path)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "95 % interval" in answer.stdout and "other vehicles" in answer.stdout
     assert answer.stdout.endswith("2 of 2 pairs driven by both\n")
@@ -58,7 +51,7 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
     ],
 )
 def test_bad_input_gets_one_line_and_exit_code_2_and_leaves_nothing(tmp_path, arguments, place):
-    answer = compare(*arguments, cwd=tmp_path)
+    answer = sumo_reactive("compare", *arguments, cwd=tmp_path)
     lines = [line for line in answer.stderr.splitlines() if line.startswith("sumo-reactive: ")]
     assert answer.returncode == 2
     assert len(lines) == 1 and place in lines[0]

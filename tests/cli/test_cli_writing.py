@@ -1,10 +1,9 @@
 """What a finished run has come to is not lost where it cannot be written, and what cannot be is told before it begins."""
 
-import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from helpers.programs import ROOT, sumo_reactive
 from helpers.recordings import made_record, step
 from helpers.stores import made_store
 
@@ -13,29 +12,14 @@ from sumo_reactive.errors import OutputError
 from sumo_reactive.lab.comparison import comparison, record
 from sumo_reactive.lab.comparison.comparison import Comparison
 
-ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 LONG = "x" * 300
 
 FULL = """
-import resource, sys
+import resource
 resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
-from sumo_reactive.cli import main
-main()
 """
-"""The command line, on a disk without room."""
-
-
-def sumo_reactive(*arguments, cwd, code=None):
-    start = ["-c", code] if code else ["-m", "sumo_reactive"]
-    command = [sys.executable, *start, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=300, cwd=cwd, check=False)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def kernels_are_there(tmp_path_factory):
-    """Without room kernels are not kept, and each process of these tests would compile its own."""
-    assert sumo_reactive("run", FOUR_WAY, "--quiet", cwd=tmp_path_factory.mktemp("first")).returncode == 0
+"""A disk without room."""
 
 
 @pytest.mark.parametrize(

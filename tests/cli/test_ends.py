@@ -6,11 +6,10 @@ import gzip
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from helpers.programs import ROOT, sumo_reactive
 
-ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 NETWORK = ROOT / "networks" / "four_way_priority"
 
@@ -30,15 +29,17 @@ def before(module, name, call, only=1):
     setattr(module, name, struck)
 """
 MAIN = "\nfrom sumo_reactive.__main__ import main\nmain()\n"
+LOADING = """
+real = builtins.__import__
+def importing(name, *more):
+    if name == 'typer':
+        strike()
+    return real(name, *more)
+builtins.__import__ = importing
+"""
+"""A strike while the modules are loaded."""
 
 STAGES = {
-    "the modules are loaded": (
-        "real = builtins.__import__\n"
-        "def importing(name, *more):\n"
-        "    if name == 'typer':\n        strike()\n"
-        "    return real(name, *more)\n"
-        "builtins.__import__ = importing"
-    ),
     "the network is read": "import sumo_reactive.lab.simulation as one; before(one, 'read_net', strike)",
     "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
     "the world is built": "import sumo_reactive.lab.trip as one; before(one, 'choose_lanes', strike)",
@@ -49,15 +50,20 @@ STAGES = {
 
 
 def ended(code, *arguments, folder):
-    """Run the command line as `python -m` does, after some code; return how it ended."""
-    (folder / "tmp").mkdir()
-    (folder / "here").mkdir()
-    (folder / "struck.py").write_text(code + MAIN, encoding="utf-8")
-    path = os.pathsep.join([str(folder), str(ROOT), os.environ.get("PYTHONPATH", "")])
+    """Run the command line after some code; return how it ended."""
+    for name in ("tmp", "here"):
+        (folder / name).mkdir()
+    return sumo_reactive(*arguments, cwd=folder / "here", code=code, more_environment={"TMPDIR": str(folder / "tmp")})
+
+
+def from_the_start(code, *arguments, folder):
+    """Run a module as `python -m` does in a new interpreter; return how it ended."""
+    (folder / "struck.py").write_text(code, encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "struck", *map(str, arguments)]
     return subprocess.run(
-        [sys.executable, "-m", "struck", *map(str, arguments)], capture_output=True, encoding="utf-8", timeout=200,
-        cwd=folder / "here", env=os.environ | {"TMPDIR": str(folder / "tmp"), "PYTHONPATH": path}, check=False,
-    )  # fmt: skip
+        command, capture_output=True, encoding="utf-8", timeout=60, cwd=folder, env=environment, check=False
+    )
 
 
 def left(folder):
@@ -65,15 +71,23 @@ def left(folder):
 
 
 @pytest.mark.parametrize(
-    ("stage", "request_to_stop"), [*((stage, "SIGINT") for stage in STAGES), ("a step is driven", "SIGHUP"),
-                                   ("the modules are loaded", "SIGTERM"), ("the world is built", "SIGTERM")],
-)  # fmt: skip
+    ("stage", "request_to_stop"),
+    [*((stage, "SIGINT") for stage in STAGES), ("a step is driven", "SIGHUP"), ("the world is built", "SIGTERM")],
+)
 def test_a_request_to_stop_ends_a_run_at_every_stage(tmp_path, stage, request_to_stop):
     code = BEFORE.format(strike=f"os.kill(os.getpid(), signal.{request_to_stop})") + STAGES[stage]
     answer = ended(code, "run", FOUR_WAY, "--out", "out", folder=tmp_path)
     lines = [line for line in answer.stderr.splitlines() if "compiling" not in line]
     assert (answer.returncode, lines) == (130, ["sumo-reactive: interrupted"])
     assert left(tmp_path) == []
+
+
+@pytest.mark.parametrize("request_to_stop", ["SIGINT", "SIGTERM"])
+def test_a_request_to_stop_ends_a_run_while_the_modules_are_loaded(tmp_path, request_to_stop):
+    code = BEFORE.format(strike=f"os.kill(os.getpid(), signal.{request_to_stop})") + LOADING + MAIN
+    answer = from_the_start(code, "run", FOUR_WAY, "--out", "out", folder=tmp_path)
+    assert (answer.returncode, answer.stderr) == (130, "sumo-reactive: interrupted\n")
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("stage", ["SUMO starts", "a step is driven"])
@@ -84,12 +98,9 @@ def test_a_run_that_is_killed_leaves_nothing(tmp_path, stage):
 
 
 def test_an_interrupt_within_what_is_executed_leaves_the_exit_code_alone(tmp_path):
-    code = "import os, signal\nfrom sumo_reactive.cli.interrupts import Interrupts\none = Interrupts()\none.listen()\n"
+    code = "import os, signal\nfrom sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
     code += "try:\n    exec('os.kill(os.getpid(), signal.SIGINT)')\nexcept KeyboardInterrupt:\n    one.end()\n    "
-    (tmp_path / "struck.py").write_text(f"{code}raise SystemExit(130)\n", encoding="utf-8")
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
-    command = [sys.executable, "-m", "struck"]
-    assert subprocess.run(command, cwd=tmp_path, env=environment, timeout=60, check=False).returncode == 130
+    assert from_the_start(f"{code}raise SystemExit(130)\n", folder=tmp_path).returncode == 130
 
 
 def test_a_second_request_does_not_cut_the_cleaning_up_short(tmp_path):

@@ -1,11 +1,11 @@
 """Kernels on disk: what is damaged or cannot be kept is compiled again, in one line."""
 
 import pickle
-import subprocess
-import sys
+import shutil
 from pathlib import Path
 
 import pytest
+from helpers.programs import run_program
 
 import sumo_reactive
 from sumo_reactive.driver.compilation import KERNEL_ROOMS
@@ -34,19 +34,28 @@ print(found(20.5), sum(found.stats.cache_hits.values()))
 
 def called(folder, *more):
     """Call a kernel in a new process: its value, how often it came from the disk, what was said."""
-    command = [sys.executable, "-c", CODE, str(folder), *more]
-    answer = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    program = folder.with_name("calls.py")
+    program.write_text(CODE, encoding="utf-8")
+    answer = run_program(program, folder, *more)
+    program.unlink()
+    answer.check_returncode()
     return *answer.stdout.split(), answer.stderr
 
 
-@pytest.fixture
-def kept(tmp_path):
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
     """A folder with two kernels."""
-    folder = tmp_path / "kernels"
+    folder = tmp_path_factory.mktemp("made") / "kernels"
     folder.mkdir(mode=0o700)
     assert called(folder) == ("42.0", "0", "")
     assert len(list(folder.iterdir())) == 2
     return folder
+
+
+@pytest.fixture
+def kept(made, tmp_path):
+    """A copy of the folder with two kernels."""
+    return shutil.copytree(made, tmp_path / "kernels")
 
 
 def test_a_kernel_comes_from_the_disk(kept):
@@ -94,10 +103,12 @@ def test_a_folder_that_is_gone_is_not_made_again(tmp_path):
 
 
 def test_without_room_kernels_are_not_kept_and_the_run_goes_on(tmp_path):
-    value, hits, said = called(tmp_path, "no room")
+    folder = tmp_path / "kernels"
+    folder.mkdir(mode=0o700)
+    value, hits, said = called(folder, "no room")
     assert (value, hits) == ("42.0", "0")
     assert all("compiled kernels are not kept: " in line and "File too large" in line for line in said.splitlines())
-    assert said and list(tmp_path.iterdir()) == []
+    assert said and list(folder.iterdir()) == []
 
 
 def test_other_kinds_of_arguments_have_a_file_of_their_own(tmp_path):

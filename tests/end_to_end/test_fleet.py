@@ -1,12 +1,12 @@
 """Several egos in one simulation: real SUMO, each run in a process of its own."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
+from helpers.programs import ROOT, sumo_reactive
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import ScenarioError
@@ -14,8 +14,6 @@ from sumo_reactive.lab.egos import EgoRule
 from sumo_reactive.lab.result import FleetResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_fleet, run_trial
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def scenario(name: str = "four_way_priority", **changes: object) -> Scenario:
@@ -92,15 +90,14 @@ DEVICES = """<routes>
 </routes>"""
 
 
-def equipped(folder: Path, routes: str) -> subprocess.CompletedProcess[str]:
+def equipped(folder: Path, routes: str) -> CompletedProcess[str]:
     net = ROOT / "networks" / "four_way_priority" / "four_way_priority.net.xml"
     (folder / "cars.rou.xml").write_text(routes)
     config = folder / "cars.sumocfg"
     config.write_text(
         f'<configuration><net-file value="{net}"/><route-files value="cars.rou.xml"/></configuration>', encoding="utf-8"
     )
-    command = [sys.executable, "-m", "sumo_reactive", "run", str(config), "--out", str(folder / "out")]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return sumo_reactive("run", config, "--out", folder / "out")
 
 
 def test_vehicles_and_types_say_by_themselves_that_they_are_egos(tmp_path):

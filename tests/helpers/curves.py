@@ -11,8 +11,9 @@ from helpers.cars import CAR
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Tuning, Weights
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, StopAt
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -20,7 +21,7 @@ from sumo_reactive.driver.path.time_constraints import speed_envelope
 from sumo_reactive.driver.view.perceive import locate
 
 STEP = 0.5
-WEIGHTS = Weights(valley=10.0, shadow=0.3, velocity=1.0)
+WEIGHTS = Weights(valley=10.0, shadow=100.0, velocity=1.0)
 NOTHING = np.empty((0, 2))
 
 
@@ -62,18 +63,20 @@ def seen(
     static=NOTHING,
     time=0.0,
     leaders: tuple[Leader, ...] = (),
+    room: tuple[float, float] = (0.0, 0.0),
 ) -> Snapshot:
     """Return what the executor needs to know of a car near arc length `s` of C and of the `users` around it."""
     at, d = locate(state, plan, CAR, s)
     boxes = [(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width, 0.0, math.inf) for u in users]
     boxes = np.array(boxes).reshape(-1, 8)
-    return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), leaders, (), (), {})
+    return Snapshot(time, state, at, d, at + CAR.front_overhang, boxes, static, (), leaders, (), (), {}, room=room)
 
 
-def asked(plan: NominalPlan, stop: StopAt | None = None, weights=WEIGHTS) -> CompletedPlan:
+def asked(plan: NominalPlan, stop: TimeConstraint | None = None, weights=WEIGHTS) -> CompletedPlan:
     """Return the plan with a stop, in normal driving."""
     instruction = Instruction.FOLLOW_CURVE if stop is None else Instruction.STOP
-    return CompletedPlan(plan, Behaviour.NORMAL, instruction, Tuning(weights), plan.time_constraints, stop, Intent.DRIVE, ())
+    constraints = plan.time_constraints if stop is None else (*plan.time_constraints, stop)
+    return CompletedPlan(plan, Behaviour.NORMAL, instruction, Tuning(weights), constraints, Intent.DRIVE, ())
 
 
 def driven(
@@ -85,12 +88,13 @@ def driven(
     **options,
 ) -> Iterator[tuple[Snapshot, Execution]]:
     """Yield each snapshot and the execution that follows it; `completed` is asked for the plan at each time, and so is
-    `leaders`, where it is given, for those ahead."""
+    `leaders`, where it is given, for those ahead, and `users` for those around."""
     static, leaders = options.pop("static", NOTHING), options.pop("leaders", lambda _: ())
+    users, room = options.pop("users", lambda _: ()), options.pop("room", (0.0, 0.0))
     s, _ = locate(state, plan, CAR, 0.0)
     for k in range(round(seconds / period)):
         time = k * period
-        snapshot = seen(state, plan, s, static=static, time=time, leaders=leaders(time))
+        snapshot = seen(state, plan, s, users(time), static=static, time=time, leaders=leaders(time), room=room)
         execution = execute(snapshot, completed(time), CAR, period, **options)
         yield snapshot, execution
         state, s = execution.state, snapshot.s

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from helpers.cars import BODY, CAR
 from sumo_reactive.driver.controller import Controller, Drive, Profile, Step, passages_ahead
-from sumo_reactive.driver.nouns.decision import Instruction, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan
@@ -124,7 +125,7 @@ class Situation:
     def considered(
         self,
         *users: RoadUser,
-        stop: StopAt | None = None,
+        stop: TimeConstraint | None = None,
         events: tuple[Event, ...] = (),
         sight: float = 0.0,
         lights: dict[str, str] | None = None,
@@ -147,7 +148,7 @@ class Situation:
         traffic = Traffic(self.time if time is None else time, users, lights or {})
         return Controller(self.graph, CAR).step(traffic, drive or self.drive(), PERIOD)
 
-    def stop(self, *users: RoadUser, lights: dict[str, str] | None = None) -> StopAt | None:
+    def stop(self, *users: RoadUser, lights: dict[str, str] | None = None) -> TimeConstraint | None:
         """Return the place where the pilot wants to stop, and why."""
         return self.step(*users, lights=lights).completed.stop
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import libsumo
+import shapely
 
 from sumo_reactive.driver.geometry.footprint import Footprint
 
@@ -95,7 +96,7 @@ class Witness:
             for name in kind.getIDList():
                 if name == EGO or name.startswith(GHOST) or abs(kind.getPosition3D(name)[2] - z) > SAME_LEVEL_M:
                     continue
-                if name not in self.touched and ego.overlaps(_body(kind, name)):
+                if name not in self.touched and shapely.intersection(ego, _body(kind, name)).area > 0.0:
                     self.touched[name] = round(time, 2)
 
     def _see_lights(self, time: float, lane: str) -> None:
@@ -131,7 +132,8 @@ def _heading(angle: float) -> float:
     return math.radians(90.0 - angle)
 
 
-def _body(kind: object, name: str, shrunk: float = 0.0) -> Footprint:
+def _body(kind: object, name: str, shrunk: float = 0.0) -> shapely.Polygon:
     (x, y), heading = kind.getPosition(name), _heading(kind.getAngle(name))
     x, y = x - shrunk * math.cos(heading), y - shrunk * math.sin(heading)
-    return Footprint(x, y, heading, kind.getLength(name) - 2 * shrunk, kind.getWidth(name) - 2 * shrunk)
+    box = Footprint(x, y, heading, kind.getLength(name) - 2 * shrunk, kind.getWidth(name) - 2 * shrunk)
+    return shapely.polygons(box.corners())

@@ -6,14 +6,13 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
-from pathlib import Path
 
 import duckdb
 import psutil
 import pytest
 from distributed.security import Security
+from helpers.programs import ROOT, started_anew, sumo_reactive
 
-ROOT = Path(__file__).parents[2]
 EXPERIMENT = f"""
 [experiment]
 scenarios = ["{ROOT}/scenarios/four_way_priority.toml", "{ROOT}/scenarios/right_before_left.toml"]
@@ -22,11 +21,6 @@ metrics = ["arrived", "duration_s"]
 """
 TRIALS = 12
 LIMIT_S = 400
-
-
-def sumo_reactive(*arguments, cwd):
-    command = [sys.executable, "-m", "sumo_reactive", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=LIMIT_S, cwd=cwd, check=False)
 
 
 @contextmanager
@@ -77,7 +71,7 @@ def read_until(process, pattern):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("undisturbed")
-    answer = sumo_reactive("batch", written(folder), "--workers", 2, cwd=folder)
+    answer = started_anew("batch", written(folder), "--workers", 2, cwd=folder)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     return folder
 
@@ -203,7 +197,7 @@ def test_a_scheduler_that_is_lost_on_the_way_is_one_line_and_nothing_is_lost(tmp
 
 def test_results_are_shown_and_handed_on(undisturbed, tmp_path):
     store = undisturbed / "experiment.duckdb"
-    shown = sumo_reactive("results", store, cwd=tmp_path)
+    shown = started_anew("results", store, cwd=tmp_path)
     assert shown.returncode == 0 and "duration_s" in shown.stdout and f"{TRIALS} of {TRIALS}" in shown.stdout
     asked = sumo_reactive("results", store, "--sql", "SELECT count(*) AS number FROM trials", cwd=tmp_path)
     assert str(TRIALS) in asked.stdout
@@ -259,9 +253,8 @@ def test_bad_input_gets_one_line(tmp_path, arguments, said):
 def test_no_room_for_the_store_is_one_line(tmp_path):
     code = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)); from sumo_reactive.cli import main;"
-        f"import sys; sys.argv[1:] = ['batch', {str(written(tmp_path))!r}]; main()"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))"
     )
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=LIMIT_S, check=False)
+    answer = sumo_reactive("batch", written(tmp_path), cwd=tmp_path, code=code)
     assert answer.returncode == 2 and "Traceback" not in answer.stderr
     assert "no room to write" in answer.stderr, answer.stderr

@@ -25,10 +25,9 @@ from sumo_reactive.lab.comparison.record import (
     write,
 )
 from sumo_reactive.lab.result import Collision, TrialResult
-from sumo_reactive.lab.runner import Ending, Outcome, Task
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
-from sumo_reactive.lab.task import Driver
+from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 
 ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"

@@ -14,7 +14,7 @@ from sumo_reactive.cli.results import results as show
 from sumo_reactive.errors import OutputError, StoreError
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results, written
-from sumo_reactive.show.batch.page import batch_page
+from sumo_reactive.show.batch_page import batch_page
 
 DEEP = '{"a": ' + "[" * 20_000 + "]" * 20_000 + "}"
 

@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.lab import metric_names
 from sumo_reactive.lab.comparison.comparison import EGO_METRICS, OTHERS_METRICS
 from sumo_reactive.lab.metric_names import BASELINE, EVERY, METRICS, OTHERS, TIMINGS
-from sumo_reactive.lab.metrics import Jury
+from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.result import rows_of
 
 PACKAGE = Path(sumo_reactive.__file__).parent

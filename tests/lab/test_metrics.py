@@ -10,12 +10,11 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.driver.world.junction import Connection, Control, Junction, Turn
-from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.driver.world.road_graph import RoadGraph
-from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
-from sumo_reactive.lab.metrics import Jury
+from sumo_reactive.lab.metrics.jury import Jury
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from pathlib import Path
 import psutil
 import pytest
 
-from sumo_reactive.lab.runner import Ending, Runner, Task, run_all
+from sumo_reactive.lab.runner import Runner, run_all
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.task import Driver
+from sumo_reactive.lab.task import Driver, Ending, Task
 from sumo_reactive.lab.trial_process import scratch
 
 LIMIT_S = 200.0

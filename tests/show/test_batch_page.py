@@ -8,11 +8,9 @@ from helpers.stores import made_store, trial
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.result import Collision
-from sumo_reactive.show.batch.figures import distribution_figure, scatter_figure
-from sumo_reactive.show.batch.page import batch_page, short_names
-from sumo_reactive.show.batch.stored_trials import happenings, pairs_of, trials_in
-from sumo_reactive.show.batch.tables import differences_table, pairs_by_group
-from sumo_reactive.show.batch.worst_trials import worst_of
+from sumo_reactive.show.batch_figures import distribution_figure, scatter_figure
+from sumo_reactive.show.batch_page import batch_page, differences_table, pairs_by_group, short_names
+from sumo_reactive.show.batch_trials import happenings, pairs_of, trials_in, worst_of
 
 
 @pytest.fixture(scope="module")

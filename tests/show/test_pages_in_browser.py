@@ -9,8 +9,7 @@ from helpers.browser import BROWSER, NO_BROWSER, coloured, of_colour, opened, pr
 from helpers.stores import made_store
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.show.frame.colours import BEHAVIOUR_COLOURS, DRIVER_COLOURS
-from sumo_reactive.show.frame.page import Html, Section, page
+from sumo_reactive.show.page import BEHAVIOUR_COLOURS, DRIVER_COLOURS, Html, Section, page
 from sumo_reactive.writing import write_whole
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason=NO_BROWSER)

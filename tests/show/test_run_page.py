@@ -11,13 +11,11 @@ from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.result import Collision, HardBrake, Violation
+from sumo_reactive.show.faults import faults_in
 from sumo_reactive.show.recording import load
-from sumo_reactive.show.run.map_figure import closed, map_figure
-from sumo_reactive.show.run.map_views import views_of
-from sumo_reactive.show.run.page import run_page
-from sumo_reactive.show.run.road_map import RoadMap, outline_of, roads_of
-from sumo_reactive.show.run.steps import bands_of, edges_of, faults_in, read_steps
-from sumo_reactive.show.run.timeline_figure import timeline_figure
+from sumo_reactive.show.reports import run_page
+from sumo_reactive.show.run_map import RoadMap, closed, edges_of, map_figure, outline_of, roads_of, views_of
+from sumo_reactive.show.run_timeline import read_steps, spans_of, timeline_figure
 from sumo_reactive.sumo.net_reader import read_net
 
 ROOT = Path(__file__).parents[2]
@@ -48,9 +46,9 @@ def trace(figure, name):
     return found
 
 
-def test_a_band_ends_where_the_next_begins(steps):
-    bands = bands_of(steps)
-    assert [(band.behaviour, band.start, band.end) for band in bands] == [
+def test_a_span_ends_where_the_next_begins(steps):
+    spans = spans_of(steps)
+    assert [(span.behaviour, span.start, span.end) for span in spans] == [
         (Behaviour.NORMAL, 0.0, 1.0),
         (Behaviour.CAUTIOUS, 1.0, 2.0),
         (Behaviour.CROSSING, 2.0, 2.5),
@@ -74,7 +72,7 @@ def test_faults_come_back_from_the_summary_in_order_of_time(tmp_path):
 
 
 def test_the_lines_over_time_are_the_columns_of_the_trajectory(recording, steps):
-    figure = timeline_figure(steps, bands_of(steps), recording.entries, [HIT])
+    figure = timeline_figure(steps, spans_of(steps), recording.entries, [HIT])
     assert list(trace(figure, "speed").x) == steps.times
     assert list(trace(figure, "desired speed").y) == steps["desired_speed_m_s"] == [12.0] * 30
     assert list(trace(figure, "gap to the leader").y) == [50.0] * 10 + [None] * 10 + [50.0] * 10
@@ -85,10 +83,10 @@ def test_the_lines_over_time_are_the_columns_of_the_trajectory(recording, steps)
     assert figure.layout.xaxis4.title.text == "simulation time (s)"
 
 
-def test_the_track_of_decisions_has_a_bar_a_band_and_a_mark_an_entry(recording, steps):
-    figure = timeline_figure(steps, bands_of(steps), recording.entries, [HIT])
+def test_the_track_of_decisions_has_a_bar_a_span_and_a_mark_an_entry(recording, steps):
+    figure = timeline_figure(steps, spans_of(steps), recording.entries, [HIT])
     bars, marks = trace(figure, "behaviour"), trace(figure, "decision")
-    assert (list(bars.base), list(bars.y)) == ([0.0, 1.0, 2.0, 2.5], [band.behaviour.value for band in bands_of(steps)])
+    assert (list(bars.base), list(bars.y)) == ([0.0, 1.0, 2.0, 2.5], [span.behaviour.value for span in spans_of(steps)])
     assert list(marks.x) == [0.0, 1.0, 2.0, 2.5]
     assert "Cautious driving" in marks.text[1]
     assert "ran into veh_&lt;7&gt;" in trace(figure, "fault").text[0]
@@ -97,7 +95,7 @@ def test_the_track_of_decisions_has_a_bar_a_band_and_a_mark_an_entry(recording, 
 def test_the_map_shows_the_track_by_behaviour_the_region_and_the_fault(recording, steps):
     roads = RoadMap({"a_0": np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 4.0], [0.0, 4.0]])}, {}, {})
     regions = {"a|b": [[20.0, 0.0], [24.0, 0.0], [24.0, 4.0]]}
-    figure = map_figure(roads, regions, steps, bands_of(steps), recording.entries, [HIT])
+    figure = map_figure(roads, regions, steps, spans_of(steps), recording.entries, [HIT])
     assert list(trace(figure, "cautious driving").x) == [*map(float, range(10, 21)), None]
     assert list(trace(figure, "lanes").x) == [0.0, 30.0, 30.0, 0.0, 0.0, None]
     assert list(trace(figure, "conflict region").x) == [20.0, 24.0, 24.0, 20.0, None]
@@ -106,7 +104,7 @@ def test_the_map_shows_the_track_by_behaviour_the_region_and_the_fault(recording
 
 
 def test_a_view_is_the_crossing_and_not_all_the_cautious_way_to_it(steps):
-    whole, crossing = views_of(steps, bands_of(steps))
+    whole, crossing = views_of(steps, spans_of(steps))
     assert whole.x == (-25.0, 54.0)
     assert (crossing.label, crossing.x) == ("crossing an intersection, 2.0 s", (-5.0, 50.0))
 

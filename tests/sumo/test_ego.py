@@ -13,7 +13,7 @@ from sumo_reactive.errors import ScenarioError, SimulationError
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.outputs import trip_of
-from sumo_reactive.sumo.units import front_of, pose_of
+from sumo_reactive.sumo.vehicle_type import front_of, pose_of
 
 ROUTE = ("wc", "ce")
 LANE_Y = -1.6

@@ -11,10 +11,9 @@ import libsumo
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.config import LEFT_OUT, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
-from sumo_reactive.sumo.option_names import LEFT_OUT
-from sumo_reactive.sumo.trips import arrival_of
+from sumo_reactive.sumo.vehicle_type import arrival_of
 
 ROUNDABOUT = Path(__file__).parents[2] / "networks" / "roundabout"
 

@@ -7,7 +7,7 @@ import pytest
 import sumolib
 from helpers.tools import tool
 
-from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
+from sumo_reactive.driver.world.lane import VEHICLE_CLASSES
 
 NETWORKS = Path(__file__).parents[2] / "networks"
 READERS = tool("compare_net_readers")

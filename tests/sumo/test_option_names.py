@@ -7,7 +7,7 @@ import pytest
 from sumolib import checkBinary
 from sumolib.options import readOptions
 
-from sumo_reactive.sumo.option_names import GUI_ONLY, INPUT_FILES, LEFT_OUT, OUTPUT_FILES, SYNONYMS
+from sumo_reactive.sumo.config import GUI_ONLY, INPUT_FILES, LEFT_OUT, OUTPUT_FILES, SYNONYMS
 
 BESIDE_THE_CONFIGURATION = {"device.ssm.file", "device.toc.file"}
 """Of type STR, yet SUMO resolves them like files."""

@@ -3,7 +3,7 @@
 import libsumo
 import pytest
 
-from sumo_reactive.sumo.route_window import RouteWindow
+from sumo_reactive.sumo.routes import RouteWindow
 
 
 @pytest.fixture

@@ -13,9 +13,9 @@ from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.observer import Observer
+from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
-from sumo_reactive.sumo.units import heading_of, pose_of
+from sumo_reactive.sumo.vehicle_type import heading_of, pose_of
 
 SIDEWALKS = ("--no-turnarounds", "--sidewalks.guess", "--sidewalks.guess.max-speed", "15", "--crossings.guess")
 TYPE = '<vType id="t" length="4.4" width="1.7" decel="4" emergencyDecel="7" maxSpeed="33" sigma="0" speedDev="0"/>'
@@ -189,7 +189,7 @@ def observed(net, folder, content: str, steps: int = 2, away: float = 30.0):
     found = plan(graph, Route(route), "passenger", CAR, start_of(graph, "wc", away, 8.0))
     with running(net, folder, content):
         simulated(steps)
-        return Observer("ego", Sensor()).observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
+        return EgoObserver("ego", Sensor()).observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
 
 
 def test_an_ego_observes_all_vehicles_that_matter_but_itself(net, tmp_path):
@@ -212,7 +212,7 @@ def test_an_ego_observes_who_walks_over_the_road_ahead_and_who_is_about_to(net, 
     seen: list[str] = []
     with running(net, tmp_path, WALK):
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
-        observer = Observer("ego", Sensor())
+        observer = EgoObserver("ego", Sensor())
         for _ in range(200):
             simulated()
             traffic = observer.observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
@@ -227,6 +227,6 @@ def test_an_ego_looks_anew_once_it_has_come_on(net, tmp_path):
     found = plan(graph, Route(("wc", "ce")), "passenger", CAR, start_of(graph, "wc", 140.0, 3.0))
     with running(net, tmp_path, ""):
         simulated()
-        observer = Observer("ego", Sensor())
+        observer = EgoObserver("ego", Sensor())
         seen = [set(observer.observe(graph, found, front, 3.0, 0.0).lights) for front in (4.0, 120.0)]
     assert seen == [set(), {"c"}]

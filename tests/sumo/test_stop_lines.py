@@ -6,7 +6,7 @@ from pathlib import Path
 import libsumo
 import pytest
 
-from sumo_reactive.sumo.stop_lines import StopLines, read_signals
+from sumo_reactive.sumo.sensor import StopLines, read_signals
 
 NET = Path(__file__).parents[2] / "networks" / "signalised_left_turns" / "signalised_left_turns.net.xml"
 LIGHT = "centre"

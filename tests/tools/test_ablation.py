@@ -43,6 +43,13 @@ def test_without_events_the_highway_code_is_asked_more_often(told):
     assert cells(told[0].stdout, "events")["rules asked (×)"] > 2.0
 
 
+def test_without_u2_or_the_static_obstacles_somebody_is_passed_nearer():
+    answer = run_tool("ablation", "--only", " be", "--without", "u2", "beta")
+    assert answer.returncode == 0, answer.stderr
+    assert cells(answer.stdout, "U₂")["clearance (m)"] > 0.2
+    assert cells(answer.stdout, "β")["clearance (m)"] > 0.05
+
+
 def test_a_mechanism_that_is_not_there_loses_nothing(told):
     lost = cells(told[0].stdout, "rear control point")
     assert lost.pop("rules asked (×)") == 1.0 and set(lost.values()) == {0.0}

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import subprocess
-import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from helpers.programs import ROOT, TOOLS, run_tool
 
 from sumo_reactive.errors import ScenarioError
 
-ROOT = Path(__file__).resolve().parents[2]
-TOOL = ROOT / "tools" / "benchmark_trips.py"
+TOOL = TOOLS / "benchmark_trips.py"
 CONFIG = "four_way_priority/four_way_priority.sumocfg"
 
 
@@ -48,12 +46,6 @@ def trips_in(tmp_path: Path, text: str, only: str = "") -> tuple[Any, ...]:
     path = tmp_path / "trips.csv"
     path.write_text(text, encoding="utf-8")
     return tuple(bench.chosen_trips(path, tmp_path, only))
-
-
-def run_tool(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run the program as a user does."""
-    command = [sys.executable, str(TOOL), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=280, check=False)
 
 
 def test_a_percentile_lies_between_its_neighbours_and_nothing_has_none():
@@ -172,7 +164,7 @@ def test_a_process_that_hangs_dies_or_fails_is_an_outcome_with_its_error(tmp_pat
 
 def test_wrong_input_ends_with_exit_code_2_and_one_line(tmp_path):
     (tmp_path / "trips.csv").write_text("scenario,ego\n", encoding="utf-8")
-    answer = run_tool(tmp_path / "trips.csv", tmp_path)
+    answer = run_tool("benchmark_trips", tmp_path / "trips.csv", tmp_path)
     assert (answer.returncode, answer.stdout) == (2, "")
     assert answer.stderr.startswith(f"benchmark_trips: {tmp_path / 'trips.csv'}: no column 'config'")
     assert answer.stderr.count("\n") == 1
@@ -181,7 +173,8 @@ def test_wrong_input_ends_with_exit_code_2_and_one_line(tmp_path):
 def test_a_small_benchmark_drives_compares_and_survives_a_trip_that_cannot_run(tmp_path):
     trips, figures = tmp_path / "trips.csv", tmp_path / "figures.json"
     trips.write_text(f"scenario,config,ego\ncross,{CONFIG},ego\nghost,{CONFIG},nobody\n", encoding="utf-8")
-    answer = run_tool(trips, ROOT / "networks", "--out", tmp_path / "records", "--json", figures, "--jobs", "2")
+    asked = (trips, ROOT / "networks", "--out", tmp_path / "records", "--json", figures, "--jobs", 2)
+    answer = run_tool("benchmark_trips", *asked)
     assert answer.returncode == 1, answer.stderr
     assert "| cross | 1 | 1 / 1 | 0 / 0 | 0 |" in answer.stdout
     assert "1. ghost nobody seed 42: failed: " in answer.stdout

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.programs import ROOT, run_tool
 from helpers.recordings import step
 from helpers.tools import tool
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.record import StepRecord
 
-ROOT = Path(__file__).resolve().parents[2]
-TOOL = ROOT / "tools" / "digests.py"
 CONFIG = "four_way_priority/four_way_priority.sumocfg"
 
 
@@ -88,34 +84,28 @@ def test_a_run_that_fails_as_before_is_no_difference_and_one_that_fails_now_is()
     assert digests.parting(None, failed) == "differs: not in the file"
 
 
-def run_tool(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run the program as a user does."""
-    command = [sys.executable, str(TOOL), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=280, check=False)
-
-
 def test_a_list_of_trips_is_written_and_compared(tmp_path):
     trips, file = tmp_path / "trips.csv", tmp_path / "digests.json"
     rows = ("scenario,config,ego,step_length_s", f"cross,{CONFIG},ego,0.1", f"ghost,{CONFIG},nobody,")
     trips.write_text("\n".join(rows), encoding="utf-8")
     arguments = ("--trips", ROOT / "networks", trips, "--file", file)
-    written = run_tool(*arguments, "--seed", "42", "7", "--write")
+    written = run_tool("digests", *arguments, "--seed", "42", "7", "--write")
     assert written.returncode == 1, written.stderr
     assert written.stdout.splitlines()[-1] == "4 runs, 2 failed"
     stored = json.loads(file.read_text(encoding="utf-8"))
     assert list(stored) == [f"{name} default {seed}" for name in ("cross ego", "ghost nobody") for seed in (42, 7)]
     assert stored["cross ego default 42"]["told"].startswith("arrived at 45.")
-    compared = run_tool(*arguments)
+    compared = run_tool("digests", *arguments)
     assert (compared.returncode, compared.stdout.splitlines()[-1]) == (0, "2 runs, 0 differ"), compared.stdout
     stored["cross ego default 42"] = stored["cross ego default 7"]
     file.write_text(json.dumps(stored), encoding="utf-8")
-    differs = run_tool(*arguments, "--only", "cross")
+    differs = run_tool("digests", *arguments, "--only", "cross")
     assert differs.returncode == 1
     assert differs.stdout.startswith("cross ego default 42: differs: at ")
 
 
 def test_a_scenario_of_this_repository_drives_and_decides_as_checked_in():
-    answer = run_tool("--only", "city_grid default 42")
+    answer = run_tool("digests", "--only", "city_grid default 42")
     assert answer.stdout.splitlines()[-1] == "1 runs, 0 differ", answer.stdout
     assert answer.returncode == 0, answer.stderr
 

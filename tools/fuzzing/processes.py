@@ -35,7 +35,7 @@ class Ended(NamedTuple):
 
 def warm_up(material: Path) -> None:
     """Load all that commands load, and the kernels, so that a forked process has them."""
-    import sumo_reactive.cli.batch_progress
+    import sumo_reactive.cli.batch
     import sumo_reactive.lab.batch.engine
     import sumo_reactive.lab.batch.stored_results
     import sumo_reactive.lab.comparison.comparison

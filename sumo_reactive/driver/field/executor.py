@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,10 +16,10 @@ from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_comm
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
-from sumo_reactive.driver.geometry.angle import wrapped
+from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
-from sumo_reactive.driver.nouns.decision import Instruction
-from sumo_reactive.driver.nouns.plan import TimeConstraint
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour, Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
@@ -34,6 +35,8 @@ from sumo_reactive.driver.parameters import (
     EXCESS_GAIN,
     HARD_STOP_MARGIN_M,
     PRESSING_GAIN,
+    ROLLING_APPROACH_S,
+    ROLLING_SHARE,
     SAFE_GAP_M,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
@@ -111,15 +114,22 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     speed, front, profile = snapshot.ego.speed, snapshot.front, completed.tuning.profile
     comfort = min(limits.comfort_deceleration * profile.deceleration, limits.planned_deceleration)
     easing = _easing(snapshot, completed, limits, comfort)
-    free = min(_cruise(snapshot, completed, limits, period), profile.top_speed)
+    free = _cruise(snapshot, completed, limits, period)
     eased = speed - easing.rate * period  # carried off C, it must be slower than C asks for, to come back to it
     wish = Wish(eased, True, BEND) if easing.is_emergency else Wish(max(free, eased), easing.is_pressing)
     headway = limits.time_headway * profile.headway
-    if completed.stop is not None:
-        away = completed.stop.s - STOP_LINE_MARGIN_M - front
+    for constraint in completed.constraints:
+        if not constraint.is_hard:
+            continue
+        away = constraint.s - STOP_LINE_MARGIN_M - front
         asked = stopping_speed(away, comfort, period)
+        is_near = away * 2.0 * ROLLING_SHARE * comfort < speed * speed
+        if constraint.time < math.inf and is_near and has(Mechanism.TIMES):
+            left = constraint.time - snapshot.time
+            rolling = cruise_speed(speed, constraint.s - front, left, math.inf, limits.max_acceleration)
+            asked = min(asked, _gently(speed, rolling, period))
         if asked < wish.speed:
-            braking = _braking(speed, 0.0, away, completed.stop.s - HARD_STOP_MARGIN_M - front, limits, comfort)
+            braking = _braking(speed, 0.0, away, constraint.s - HARD_STOP_MARGIN_M - front, limits, comfort)
             wish = _lower(wish, asked, speed, braking, period, STOP_PLACE)
     for leader in snapshot.leaders:
         gap = leader.s - front - limits.standstill_gap
@@ -127,11 +137,12 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
         if asked < wish.speed:
             braking = _braking(speed, leader.speed, gap, _room_behind(leader, front), limits, comfort)
             wish = _lower(wish, asked, speed, braking, period, leader.user_id)
-    slot = _slot(snapshot, completed.slot) if completed.slot else None
-    if slot is not None:
-        gap = slot.ahead - slot.user.body.length
-        following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
-        wish = _lower(wish, following, speed, _Braking(comfort), period, "")
+    for constraint in completed.constraints:
+        slot = _slot(snapshot, constraint.behind) if constraint.behind else None
+        if slot is not None:
+            gap = slot.ahead - slot.user.body.length
+            following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
+            wish = _lower(wish, following, speed, _Braking(comfort), period, "")
     return wish if wish.speed >= 0.0 else wish._replace(speed=0.0)
 
 
@@ -143,16 +154,15 @@ def _lower(wish: Wish, asked: float, speed: float, braking: _Braking, period: fl
     return Wish(reached, braking.is_pressing or wish.is_pressing, hazard if braking.is_emergency else wish.hazard)
 
 
-def _braking(
-    speed: float, final: float, away: float, room: float, limits: VehicleLimits, comfort: float
-) -> _Braking:
+def _braking(speed: float, final: float, away: float, room: float, limits: VehicleLimits, comfort: float) -> _Braking:
     """Return how hard to brake from `speed` to `final` (m/s) within `away` m, of which a margin may go that leaves `room`.
 
     The planned braking is enough as long as it stays within `room`; it presses where its gentle onset would not.
     """
     planned = limits.planned_deceleration
     needed = _needed(speed, final, max(away, BRAKING_SHARE * room), limits)
-    if needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY:
+    is_late = needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY
+    if is_late and has(Mechanism.ROOM_TO_STOP):
         return _Braking(needed, is_pressing=True, is_emergency=True)
     onset = (speed - final) * planned / (2.0 * COMFORT_JERK)
     is_pressing = speed * speed - final * final > 2.0 * planned * max(room - onset, 0.0) and speed > final
@@ -207,27 +217,33 @@ def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
     return next((n for n in snapshot.neighbours if n.user.id == user_id), None)
 
 
-def _target(snapshot: Snapshot, completed: CompletedPlan) -> TimeConstraint | None:
-    """Return the next (l, t_l) of P⁺."""
-    if not has(Mechanism.TIMES):
-        return None
-    for constraint in completed.time_constraints:
-        if constraint.s > snapshot.front:
-            return constraint
-    return None
+def _targets(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstraint]:
+    """Yield the (l, t_l) ahead that set no more than the desired speed; of those of the schedule the next one."""
+    schedule = False
+    for one in completed.constraints if has(Mechanism.TIMES) else ():
+        if one.s > snapshot.front and not one.is_hard and one.time < math.inf:
+            if one.reason is not Reason.ON_SCHEDULE or not schedule:
+                yield one
+            schedule = True
 
 
 def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> float:
     """The speed that road and time constraint ask for, approached gently from below (m/s)."""
-    plan, speed, target = completed.plan, snapshot.ego.speed, _target(snapshot, completed)
+    plan, speed = completed.plan, snapshot.ego.speed
     acceleration = limits.max_acceleration * completed.tuning.profile.acceleration
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
     road = plan.speed_limits.item(min(max(sample, 0), len(plan.speed_limits) - 1))
-    best = road
-    if target is not None:
-        left = target.time - snapshot.time - TIME_TOLERANCE_S
-        best = min(road, cruise_speed(speed, target.s - snapshot.front, left, road, acceleration))
+    best = min([road, *(one.speed for one in completed.constraints if one.s <= snapshot.front)])
+    for target in _targets(snapshot, completed):
+        left = target.time - snapshot.time - (TIME_TOLERANCE_S if target.reason is Reason.ON_SCHEDULE else 0.0)
+        timely = cruise_speed(speed, target.s - snapshot.front, left, road, acceleration)
+        best = min(best, timely if target.reason is Reason.ON_SCHEDULE else _gently(speed, timely, period))
     return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
+
+
+def _gently(speed: float, wanted: float, period: float) -> float:
+    """Return a speed (m/s) on the way from the present one to a lower `wanted` one: a forecast is not worth a jerk."""
+    return wanted if wanted >= speed else speed + (wanted - speed) * min(1.0, period / ROLLING_APPROACH_S)
 
 
 def _without_jerk(wish: Wish, ego: VehicleState, period: float) -> float:
@@ -250,8 +266,9 @@ def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = 
     room = math.inf
     if not has(Mechanism.ROOM_TO_STOP):
         return room
-    if completed.stop is not None:
-        room = completed.stop.s - margin - snapshot.front
+    for constraint in completed.constraints:
+        if constraint.is_hard:
+            room = min(room, constraint.s - margin - snapshot.front)
     for leader in snapshot.leaders:
         braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
         room = min(room, _room_behind(leader, snapshot.front) + braking)
@@ -295,9 +312,7 @@ def execute(
     planned = limits.service_deceleration if nine_commands else limits.planned_deceleration
     lowest = min(wanted, ego.speed - planned * period)
     room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
-    command, verdict, potentials, state = _choose(
-        snapshot, completed, grid, limits, period, room, (wanted, lowest), valley
-    )
+    command, verdict, potentials, state = _choose(snapshot, completed, grid, limits, period, room, (wanted, lowest), valley)
     emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
     hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
     return Execution(command, state, wanted, potentials, emergency, hazard)
@@ -341,7 +356,7 @@ def _choose(
     acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
         car, grid.accelerations, grid.steering_rates, grid.rounds, period, room, *aims,
         curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
-        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room,
     )  # fmt: skip
     potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
     state = VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
@@ -363,7 +378,8 @@ def _weights(completed: CompletedPlan) -> Weights:
 def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:
     """Drive backwards at walking speed, wheels straight, until the front bumper is at the stop that the pilot named."""
     ego = snapshot.ego
-    left = max(snapshot.front - completed.stop.s, 0.0) if completed.stop else 0.0
+    stop = completed.stop
+    left = max(snapshot.front - stop.s, 0.0) if stop is not None else 0.0
     calm = limits.max_acceleration * completed.tuning.profile.acceleration
     faster = max(-ego.speed, 0.0) + calm * period
     wanted = -min(BACK_UP_SPEED, math.sqrt(2.0 * calm * left), faster)

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.field.collision import braking_collides
+from sumo_reactive.driver.field.foreseen_shadow import foreseen_potential, foreseen_shadows
 from sumo_reactive.driver.field.shadow import corners_of, shadow_sum
-from sumo_reactive.driver.field.valley import taxicab_to_points, valley_potential
+from sumo_reactive.driver.field.valley import least_to_static, valley_potential
 from sumo_reactive.driver.field.valley_map import map_potential
 from sumo_reactive.driver.field.velocity import velocity_potential
 from sumo_reactive.driver.geometry.curve import project_on_curve
@@ -55,24 +56,25 @@ MIN_MAP_SPEED = 2.0
 
 
 @kernel
-def valley_at(
-    x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
-) -> float:  # fmt: skip
-    """U₁ of a pose from exact distances.
+def look_ahead(speed: float) -> float:
+    """Return the way (m) after which F is looked at, at `speed` (m/s)."""
+    return max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
 
-    It is that of the distance which F will have to C a look-ahead later if its velocity keeps the angle to C that it has
-    in the middle of the period: zero for a car that follows C, whatever the curvature.
-    """
-    reach = max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
+
+@kernel
+def leads_to(
+    x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float,
+) -> float:  # fmt: skip
+    """Return how far to the left of C (m) F will be a look-ahead after a pose if its velocity keeps the angle to C that it
+    has in the middle of the period: zero for a car that follows C, whatever the curvature."""
     fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
     at, d = project_on_curve(fx, fy, cx, cy, step, s + speed * period, _WINDOW_M)
     u = (at - 0.5 * speed * period) / step
     i = min(max(int(u), 0), len(ch) - 2)
     along = ch[i] + min(max(u - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
     turned = 0.5 * speed * math.sin(angle) / wheelbase * period
-    distance = abs(d + reach * math.sin(heading - turned + angle - along))
-    return valley_potential(distance, taxicab_to_points(fx, fy, static), VALLEY_ATTRACTION, VALLEY_REPULSION)
+    return d + look_ahead(speed) * math.sin(heading - turned + angle - along)
 
 
 @kernel
@@ -139,25 +141,28 @@ def expand(
 @kernel
 def valley_of_command(
     state: Array, pose: tuple[float, float, float], speed: float, angle: float, turn: float, limits: Array, period: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, sides: Array,
     bitmaps: Array, x0: float, y0: float, cell: float,
-) -> float:  # fmt: skip
-    """U₁ of the command that leads from `state` (5) to `pose`, `speed` (m/s) and steering `angle` (rad) within the period.
+) -> tuple[float, float]:  # fmt: skip
+    """Return U₁ of the command that leads from `state` (5) to `pose`, `speed` (m/s) and steering `angle` (rad) within the
+    period, and how far to the left of C (m) it leads, which the bitmaps do not tell.
 
-    `turn`: what the steering angle can change by in a period, rad.
+    `turn`: what the steering angle can change by in a period, rad. `sides` (4), m: room to lean to the left and right, way
+    from the body on C to O_S on the left and right.
     """
     if len(bitmaps) == 0:
-        return valley_at(pose[0], pose[1], pose[2], speed, angle, limits[0], period, cx, cy, ch, step, s, static)
+        d = leads_to(pose[0], pose[1], pose[2], speed, angle, limits[0], period, cx, cy, ch, step, s)
+        return valley_potential(abs(d), min(sides[2] - d, sides[3] + d), VALLEY_ATTRACTION, VALLEY_REPULSION), d
     x, y, heading = ramped(state[0], state[1], state[2], state[3], state[4], speed, angle, limits[0], period)
     v = max(speed, MIN_MAP_SPEED)
-    return mapped_valley(x, y, heading, v, angle, turn, limits, period, bitmaps, x0, y0, cell)
+    return mapped_valley(x, y, heading, v, angle, turn, limits, period, bitmaps, x0, y0, cell), 0.0
 
 
 @kernel
 def best_of(
     car: Array, accelerations: Array, rates: Array, fine: bool, turn: float, period: float, room: float, wanted: float,
-    lowest: float, cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, corners: Array,
+    lowest: float, cx: Array, cy: Array, ch: Array, step: float, s: float, sides: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, corners: Array, shadows: Array,
 ) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
     steering angle where it leads.
@@ -165,8 +170,8 @@ def best_of(
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
     touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
     other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
-    keeps the limits. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8) cast U₂
-    and are tested for contact.
+    keeps the limits. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8) are
+    tested for contact and, on bitmaps, cast U₂; else `shadows` (n, 3) do. `sides` (4): see `valley_of_command`.
 
     No term is negative, so U₁ and U₂ are due only for what would win without them: of each command U grows term by term
     until the least one is whole.
@@ -175,7 +180,7 @@ def best_of(
     n = len(accelerations) * len(rates)
     ahead = np.empty((n, 4))
     expand(state, accelerations, rates, limits, period, room, ahead)
-    terms, poses = np.zeros((n, 3)), np.empty((n, 3))
+    terms, poses, leads = np.zeros((n, 3)), np.empty((n, 3)), np.empty(n)
     total, of_speed, grown = np.full(n, np.inf), np.zeros(n), np.zeros(n, dtype=np.int64)
     for k in range(n):
         v, _, allowed, stops = ahead[k]
@@ -186,7 +191,8 @@ def best_of(
         of_speed[k] = weights[2] * (terms[k, 2] + HARSHNESS * harsh)
         if stops > 0.0:
             total[k] = of_speed[k] + (_HARDER if v < lowest - 1e-6 else 0.0)
-    casts = weights[1] > 0.0 and len(boxes) > 0
+    is_mapped = len(bitmaps) > 0
+    casts = weights[1] > 0.0 and (len(boxes) if is_mapped else len(shadows)) > 0
     while True:
         best = int(np.argmin(total))
         if total[best] == np.inf:
@@ -195,14 +201,18 @@ def best_of(
         x, y, h = poses[best]
         if grown[best] == 0:
             x, y, h = poses[best] = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
-            terms[best, 0] = valley_of_command(
-                state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+            terms[best, 0], leads[best] = valley_of_command(
+                state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell
             )
             total[best] = weights[0] * terms[best, 0] + of_speed[best] + (_HARDER if v < lowest - 1e-6 else 0.0)
             grown[best] = 1
         elif grown[best] == 1 and casts:
-            terms[best, 1] = shadow_sum(
-                x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
+            terms[best, 1] = (
+                shadow_sum(
+                    x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
+                )
+                if is_mapped
+                else foreseen_potential(shadows, leads[best], sides)
             )
             total[best] += weights[1] * terms[best, 1]
             grown[best] = 2
@@ -221,8 +231,8 @@ def best_of(
         if allowed == 0.0:
             continue
         pose = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
-        terms[k, 0] = valley_of_command(
-            state, pose, v, angle, turn, limits, period, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell
+        terms[k, 0], _ = valley_of_command(
+            state, pose, v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell
         )
         if terms[k, 0] < least:
             fallback, least = k, terms[k, 0]
@@ -238,19 +248,28 @@ def best_of(
 def choose_command(
     car: Array, accelerations: Array, rates: Array, rounds: int, period: float, room: float, wanted: float, lowest: float,
     cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, left: float, right: float,
 ) -> tuple[float, float, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return acceleration, steering rate, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃ of the chosen command, and x, y,
     heading, speed, steering angle where it leads.
 
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ of the lattice `accelerations` × `rates`, then of ever finer lattices
     around it, `rounds` times. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8)
-    cast U₂ and are tested for contact.
+    cast U₂ and are tested for contact. The ego may lean `left` and `right` (m) of C.
     """
-    turn, corners = rates[-1] * period, corners_of(boxes)
+    turn, half = rates[-1] * period, 0.5 * car[8]
+    sides = np.array((left, right, np.inf, np.inf))
+    shadows, corners = np.empty((0, 3)), np.empty((0, 6, 2))
+    if len(bitmaps) > 0:
+        corners = corners_of(boxes)
+    else:
+        front, behind = car[6] - car[5], car[7] - car[6] + car[5]
+        sides[2], sides[3] = least_to_static(static, cx, cy, ch, step, s, half, front + look_ahead(car[3]), behind)
+        if len(boxes) > 0 and car[15] > 0.0:
+            shadows = foreseen_shadows(boxes, car[3], half, front, behind, cx, cy, ch, step, s, sides)
     index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
-        car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, static,
-        bitmaps, x0, y0, cell, boxes, corners,
+        car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides,
+        bitmaps, x0, y0, cell, boxes, corners, shadows,
     )  # fmt: skip
     i, j = index // len(rates), index % len(rates)
     for half in range(2 * rounds):
@@ -261,7 +280,7 @@ def choose_command(
         steers = half % 2 == 0
         index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
             car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1], True, turn,
-            period, room, wanted, lowest, cx, cy, ch, step, s, static, bitmaps, x0, y0, cell, boxes, corners,
+            period, room, wanted, lowest, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, boxes, corners, shadows,
         )  # fmt: skip
         if steers:
             j = index

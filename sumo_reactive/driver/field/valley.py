@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,16 +11,34 @@ from sumo_reactive.driver.compilation import kernel
 
 Array = NDArray[np.float64]
 
+LEAST_ROOM_M = 0.2
+"""d₁ to O_S is not taken below this: nearer, U₁ is steep enough."""
+
 
 @kernel
-def taxicab_to_points(x: float, y: float, points: Array) -> float:
-    """Return min over o of |x − x_o| + |y − y_o| for `points` (n, 2); infinite when there are none (m)."""
-    nearest = np.inf
-    for i in range(len(points)):
-        away = abs(points[i, 0] - x) + abs(points[i, 1] - y)
-        if away < nearest:
-            nearest = away
-    return nearest
+def least_to_static(
+    static: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, half: float, ahead: float, behind: float
+) -> tuple[float, float]:
+    """Return min over o of d₁ from the body to the points of O_S left and right of C, m; infinite where there is none.
+
+    The taxicab distance is taken along and across C: the body, its front axle at `s` of C, reaches from `behind` to `ahead`
+    m of it and `half` m to both sides. `static` (n, 2).
+    """
+    left = right = np.inf
+    for k in range(len(static)):
+        at = s
+        for _ in range(2):  # along a bend the tangent at F misses the place beside; the one there does not
+            i = min(max(int(at / step), 0), len(cx) - 1)
+            c, w = math.cos(ch[i]), math.sin(ch[i])
+            dx, dy = static[k, 0] - cx[i], static[k, 1] - cy[i]
+            at = i * step + dx * c + dy * w
+        aside = dy * c - dx * w
+        along = max(at - s - ahead, s - behind - at, 0.0)
+        if aside > 0.0:
+            left = min(left, along + aside - half)
+        else:
+            right = min(right, along - aside - half)
+    return left, right
 
 
 @kernel
@@ -28,4 +48,4 @@ def valley_potential(distance: float, to_static: float, attraction: float, repul
     The repulsion is scaled by the distance to C, so the valley floor stays on C even beside an obstacle. α in 1/m,
     β dimensionless.
     """
-    return attraction * distance + repulsion * distance / max(to_static, 1e-3)
+    return attraction * distance + repulsion * distance / max(to_static, LEAST_ROOM_M)

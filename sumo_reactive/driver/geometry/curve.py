@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-
-Array = NDArray[np.float64]
+from sumo_reactive.driver.geometry.polyline import BEYOND, Floats, foot
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +18,10 @@ class Curve:
     i · step.
     """
 
-    x: Array
-    y: Array
-    heading: Array
-    curvature: Array
+    x: Floats
+    y: Floats
+    heading: Floats
+    curvature: Floats
     step: float
 
     def __post_init__(self) -> None:
@@ -38,48 +35,41 @@ class Curve:
         """Arc length from the first to the last sample, m."""
         return (len(self.x) - 1) * self.step
 
-    def at(self, s: float) -> tuple[float, float, float]:
-        """Return (x, y, heading) at arc length `s`, interpolated, clamped to the ends."""
+    def sample_at(self, s: float) -> tuple[int, float]:
+        """Return the sample before arc length `s`, clamped to the ends, and how far on to the next one that is, in steps."""
         u = min(max(s / self.step, 0.0), len(self.x) - 1.0)
         i = min(int(u), len(self.x) - 2)
-        f = u - i
-        x, y, heading = self.x.item(i), self.y.item(i), self.heading.item(i)
-        return (
-            x + f * (self.x.item(i + 1) - x),
-            y + f * (self.y.item(i + 1) - y),
-            heading + f * (self.heading.item(i + 1) - heading),
-        )
+        return i, u - i
+
+    def at(self, s: float) -> tuple[float, float, float]:
+        """Return (x, y, heading) at arc length `s`, interpolated, clamped to the ends."""
+        i, f = self.sample_at(s)
+        x, y = self.x.item(i), self.y.item(i)
+        return x + f * (self.x.item(i + 1) - x), y + f * (self.y.item(i + 1) - y), self.heading_at(s)
 
     def heading_at(self, s: float) -> float:
         """Return the heading at arc length `s`, interpolated, clamped to the ends, rad."""
-        u = min(max(s / self.step, 0.0), len(self.heading) - 1.0)
-        i = min(int(u), len(self.heading) - 2)
+        i, f = self.sample_at(s)
         heading = self.heading.item(i)
-        return heading + (u - i) * (self.heading.item(i + 1) - heading)
+        return heading + f * (self.heading.item(i + 1) - heading)
 
 
 @kernel
 def project_on_curve(
-    x: float, y: float, cx: Array, cy: Array, step: float, s_guess: float, window: float
+    x: float, y: float, cx: Floats, cy: Floats, step: float, s_guess: float, window: float
 ) -> tuple[float, float]:
     """Return (s, d): closest point of C within `window` m of `s_guess`, and the signed distance, left positive (m)."""
-    first = max(0, int((s_guess - window) / step))
-    last = min(len(cx) - 2, int((s_guess + window) / step))
-    best = 1e18
-    s = s_guess
-    d = 0.0
-    for i in range(first, last + 1):
-        ex, ey = cx[i + 1] - cx[i], cy[i + 1] - cy[i]
-        px, py = x - cx[i], y - cy[i]
-        squared = ex * ex + ey * ey
-        t = (px * ex + py * ey) / squared
-        low = -1e9 if i == 0 else 0.0
-        high = 1e9 if i == len(cx) - 2 else 1.0
-        t = min(max(t, low), high)
-        dx, dy = px - t * ex, py - t * ey
-        away = dx * dx + dy * dy
-        if away < best:
-            best = away
-            s = (i + t) * step
-            d = math.copysign(math.sqrt(away), ex * py - ey * px)
-    return s, d
+    first, last = max(0, int((s_guess - window) / step)), min(len(cx) - 2, int((s_guess + window) / step))
+    if last < first:
+        return s_guess, 0.0
+    i, share, away = foot(cx, cy, x, y, first, last, BEYOND)
+    return (i + share) * step, away
+
+
+@kernel
+def project_each(points: Floats, cx: Floats, cy: Floats, step: float, guesses: Floats, window: float) -> Floats:
+    """Return the arc lengths (n,), m, of C closest to `points` (n, 2), each within `window` m of its guess."""
+    found = np.empty(len(points))
+    for k in range(len(points)):
+        found[k], _ = project_on_curve(points[k, 0], points[k, 1], cx, cy, step, guesses[k], window)
+    return found

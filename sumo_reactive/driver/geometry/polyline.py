@@ -1,4 +1,4 @@
-"""Polylines measured by arc length."""
+"""Polylines measured by arc length, and angles."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 
+Floats = NDArray[np.float64]
 Points = NDArray[np.float64]
 
 
 BEYOND = 1e6
-"""So many times its length a segment may be prolonged: without end."""
+"""The ends of a chain are prolonged by so many times their length: without end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,7 @@ class Polyline:
             raise ValueError(f"a polyline needs points of shape (n ≥ 2, 2), got {self.points.shape}")
 
     @cached_property
-    def arc_lengths(self) -> NDArray[np.float64]:
+    def arc_lengths(self) -> Floats:
         """Arc length at each point, shape (n,), m, starting at 0."""
         steps = np.hypot(*np.diff(self.points, axis=0).T)
         return np.concatenate(([0.0], np.cumsum(steps)))
@@ -55,63 +56,85 @@ class Polyline:
         dx, dy = self.points[i + 1] - self.points[i]
         return math.atan2(dy, dx)
 
+    @cached_property
+    def columns(self) -> tuple[Floats, Floats]:
+        """All x and all y of the points, shape (n,) each, m, as compiled code likes them."""
+        return np.ascontiguousarray(self.points[:, 0]), np.ascontiguousarray(self.points[:, 1])
+
+    def points_at(self, s: Floats) -> Points:
+        """Return the points (n, 2) at arc lengths `s` (n,), clamped to the ends, m."""
+        return np.column_stack([np.interp(s, self.arc_lengths, column) for column in self.columns])
+
     def project(self, x: float, y: float) -> tuple[float, float]:
         """Return (s, d) of the closest point: arc length and signed distance, left positive, m."""
-        return _closest(np.ascontiguousarray(self.points), self.arc_lengths, x, y, 0.0)
+        return _place(*self.columns, self.arc_lengths, x, y, 0.0)
 
-    def arc_lengths_at(self, places: Points) -> NDArray[np.float64]:
+    def arc_lengths_at(self, places: Points) -> Floats:
         """Return the arc length (n,), m, of the closest point to each of `places` (n, 2), m."""
-        return self._closest_to(places, 0.0)[0]
+        return _places(*self.columns, self.arc_lengths, np.ascontiguousarray(places), 0.0)[:, 0]
 
-    def offsets(self, places: Points) -> NDArray[np.float64]:
+    def offsets(self, places: Points) -> Floats:
         """Return how far left of the polyline, prolonged straight at its ends, each of `places` (n, 2) is, (n,), m."""
-        return self._closest_to(places, BEYOND)[1]
+        return _places(*self.columns, self.arc_lengths, np.ascontiguousarray(places), BEYOND)[:, 1]
 
-    def _closest_to(self, places: Points, beyond: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        return _closest_to_each(np.ascontiguousarray(self.points), self.arc_lengths, np.ascontiguousarray(places), beyond)
-
-    def sampled(self, step: float) -> NDArray[np.float64]:
+    def sampled(self, step: float) -> Floats:
         """Return x, y (m) and heading (rad, unwrapped) every `step` m up to the first sample beyond the end, (n ≥ 2, 3)."""
         return _sampled(np.ascontiguousarray(self.points), self.arc_lengths, step)
 
 
 @kernel
-def _closest(
-    points: Points, arc_lengths: NDArray[np.float64], x: float, y: float, beyond: float
-) -> tuple[float, float]:
-    """Return (s, d) as `Polyline.project` does, for its `points` (n, 2) and `arc_lengths` (n,), m.
+def foot(
+    xs: Floats, ys: Floats, x: float, y: float, first: int, last: int, beyond: float
+) -> tuple[int, float, float]:
+    """Return where (x, y) is nearest to the chain through `xs`, `ys` (n,), m, on its segments `first` to `last`: segment,
+    share of it and signed distance (m, left positive).
 
-    First and last segment are prolonged by `beyond` times their length.
+    The chain's first and last segment are prolonged by `beyond` times their length.
     """
-    last = len(points) - 2
-    best, s, d = math.inf, 0.0, 0.0
-    for i in range(last + 1):
-        ex, ey = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
-        px, py = x - points[i, 0], y - points[i, 1]
-        squared = max(ex * ex + ey * ey, 1e-12)
-        low, high = -beyond if i == 0 else 0.0, 1.0 + beyond if i == last else 1.0
-        t = min(max((px * ex + py * ey) / squared, low), high)
+    best, segment, share, away = math.inf, first, 0.0, 0.0
+    for i in range(first, last + 1):
+        ex, ey = xs[i + 1] - xs[i], ys[i + 1] - ys[i]
+        px, py = x - xs[i], y - ys[i]
+        low, high = -beyond if i == 0 else 0.0, 1.0 + beyond if i == len(xs) - 2 else 1.0
+        t = min(max((px * ex + py * ey) / max(ex * ex + ey * ey, 1e-12), low), high)
         dx, dy = px - t * ex, py - t * ey
-        away = dx * dx + dy * dy
-        if away < best:
-            best = away
-            s = arc_lengths[i] + t * math.sqrt(squared)
-            d = math.copysign(math.sqrt(away), ex * dy - ey * dx)
-    return s, d
+        squared = dx * dx + dy * dy
+        if squared < best:
+            best, segment, share, away = squared, i, t, math.copysign(math.sqrt(squared), ex * dy - ey * dx)
+    return segment, share, away
 
 
 @kernel
-def _closest_to_each(
-    points: Points, arc_lengths: NDArray[np.float64], places: Points, beyond: float
-) -> tuple[Points, Points]:
-    s, d = np.empty(len(places)), np.empty(len(places))
+def nearest_point(xs: Floats, ys: Floats, x: float, y: float, first: int, last: int) -> int:
+    """Return which of the points `xs`, `ys` (n,), from index `first` to `last`, is nearest to (x, y), m."""
+    nearest, least = first, math.inf
+    for i in range(first, last + 1):
+        squared = (xs[i] - x) ** 2 + (ys[i] - y) ** 2
+        if squared < least:
+            nearest, least = i, squared
+    return nearest
+
+
+@kernel
+def _place(
+    xs: Floats, ys: Floats, arc: Floats, x: float, y: float, beyond: float
+) -> tuple[float, float]:
+    i, share, away = foot(xs, ys, x, y, 0, len(xs) - 2, beyond)
+    return arc[i] + share * math.sqrt(max((xs[i + 1] - xs[i]) ** 2 + (ys[i + 1] - ys[i]) ** 2, 1e-12)), away
+
+
+@kernel
+def _places(
+    xs: Floats, ys: Floats, arc: Floats, places: Points, beyond: float
+) -> Points:
+    found = np.empty((len(places), 2))
     for k in range(len(places)):
-        s[k], d[k] = _closest(points, arc_lengths, places[k, 0], places[k, 1], beyond)
-    return s, d
+        found[k, 0], found[k, 1] = _place(xs, ys, arc, places[k, 0], places[k, 1], beyond)
+    return found
 
 
 @kernel
-def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+def _sampled(points: Points, arc_lengths: Floats, step: float) -> Floats:
     last = len(points) - 1
     n = max(math.ceil((arc_lengths[last] + step) / step - 1e-9), 2)
     out = np.empty((n, 3))
@@ -132,16 +155,25 @@ def _sampled(points: Points, arc_lengths: NDArray[np.float64], step: float) -> N
     return out
 
 
-def eased(share: NDArray[np.float64]) -> NDArray[np.float64]:
+def eased(share: Floats) -> Floats:
     """Return 10t³ − 15t⁴ + 6t⁵: from 0 to 1 with no slope and no bend at either end, for `share` t in [0, 1]."""
     return share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
 
 
-def moved_aside(line: Points, lateral: NDArray[np.float64]) -> Points:
+def moved_aside(line: Points, lateral: Floats) -> Points:
     """Return `line` (n, 2) moved to its left by `lateral` (n,), m."""
     along = np.gradient(line, axis=0)
     along /= np.maximum(np.hypot(*along.T), 1e-9)[:, None]
     return np.asarray(line + lateral[:, None] * np.column_stack([-along[:, 1], along[:, 0]]))
+
+
+def curvature_of(points: Points) -> Floats:
+    """Return the signed curvature (n,), 1/m, of evenly sampled `points` (n, 2) by central differences."""
+    first = np.gradient(points, axis=0)
+    second = np.zeros_like(points)
+    second[1:-1] = points[2:] - 2.0 * points[1:-1] + points[:-2]
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    return np.asarray(cross / np.maximum(np.hypot(first[:, 0], first[:, 1]) ** 3, 1e-9))
 
 
 def joined(parts: list[Points]) -> Points:
@@ -168,3 +200,9 @@ def _point(line: Polyline, s: float) -> Points:
         return point
     heading = line.heading_at(s)
     return np.asarray(point + outside * np.array([np.cos(heading), np.sin(heading)]))
+
+
+@kernel
+def wrapped(angle: float) -> float:
+    """Return `angle` (rad) in (-π, π]."""
+    return math.pi - (math.pi - angle) % (2.0 * math.pi)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, RegionState, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, RegionState
 from sumo_reactive.driver.nouns.event import Event
-from sumo_reactive.driver.nouns.plan import Aside, Move, NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.plan import Aside, Move, NominalPlan
 
 
 class Intent(Enum):
@@ -33,13 +33,12 @@ class Weights:
 class VelocityProfile:
     """Accelerate–cruise–decelerate over d₂ (F&L 1991, §3.3.3), as shares of the vehicle's comfortable values.
 
-    `headway`: share of the driver's time headway that is kept to leaders; `top_speed` (m/s) is not exceeded.
+    `headway`: share of the driver's time headway that is kept to leaders.
     """
 
     acceleration: float = 1.0
     deceleration: float = 1.0
     headway: float = 1.0
-    top_speed: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,21 +76,19 @@ class Request:
 class CompletedPlan:
     """P⁺: what the executor tracks until the pilot says otherwise.
 
-    `time_constraints` are the adjusted (l, t_l) ahead; `stop` the nearest place to stop at; `slot` the vehicle on the
-    other lane to fall in behind, which bounds the desired speed but no safety; `sight` (m) asks perception to look so far
-    ahead along the oncoming lane. `events` activated the pilot, `assessment` is what it foresaw, `regions` the conflict
-    regions on the way: all as of its last activation. `move`: the arc to drive instead of C, in a turn in several moves.
+    `constraints` is all that limits the ego beside the road and the bodies ahead: the adjusted (l, t_l) of P, places to
+    stop at, the vehicle to fall in behind. `sight` (m) asks perception to look so far ahead along the oncoming lane.
+    `events` activated the pilot, `assessment` is what it foresaw, `regions` the conflict regions on the way: all as of its
+    last activation. `move`: the arc to drive instead of C, in a turn in several moves.
     """
 
     plan: NominalPlan
     behaviour: Behaviour
     instruction: Instruction
     tuning: Tuning
-    time_constraints: tuple[TimeConstraint, ...]
-    stop: StopAt | None
+    constraints: tuple[TimeConstraint, ...]
     intent: Intent
     decisions: tuple[Decision, ...]
-    slot: str = ""
     request: Request = Request()
     sight: float = 0.0
     assessment: Assessment = NOT_ASSESSED
@@ -99,9 +96,19 @@ class CompletedPlan:
     regions: tuple[RegionState, ...] = ()
     move: Move | None = None
 
+    @property
+    def stop(self) -> TimeConstraint | None:
+        """The nearest place to stop at (None: there is none)."""
+        return min((one for one in self.constraints if one.is_hard), key=lambda one: one.s, default=None)
+
     def held(self) -> CompletedPlan:
         """Return the plan as it stays in force until the next event: what it asked for once is not asked again."""
         return replace(self, request=Request(), events=())
+
+    def timed(self, schedule: tuple[TimeConstraint, ...]) -> CompletedPlan:
+        """Return the plan with another schedule: the (l, t_l) of P."""
+        rest = tuple(one for one in self.constraints if one.reason is not Reason.ON_SCHEDULE)
+        return replace(self, constraints=(*schedule, *rest))
 
     @property
     def awaits_plan(self) -> bool:

@@ -7,13 +7,18 @@ from enum import Enum
 
 
 class Behaviour(Enum):
-    """The behaviours of the paper (F&L 1991, §2)."""
+    """What the ego is doing: the paper's five (F&L 1991, §2), and those that the road adds."""
 
     NORMAL = "normal driving"
     CAUTIOUS = "cautious driving"
     OVERTAKING = "overtaking"
     STOPPING = "stopping at a location"
     CROSSING = "crossing an intersection"
+    CHANGING_LANES = "changing lanes"
+    CHANGING_QUEUES = "changing queues"
+    TURNING_ROUND = "turning round"
+    BACKING_UP = "backing up"
+    TAKING_ANOTHER_WAY = "taking another way"
 
 
 class Instruction(Enum):
@@ -34,6 +39,7 @@ class Instruction(Enum):
 class Reason(Enum):
     """Why the ego may not go on, or goes on although something speaks against it."""
 
+    ON_SCHEDULE = "the schedule of the plan"
     RED_LIGHT = "the light is red"
     YELLOW_LIGHT = "the light is yellow and stopping is comfortable"
     YELLOW_TOO_CLOSE = "the light is yellow and too close to stop"
@@ -56,16 +62,6 @@ class Reason(Enum):
     FOLLOWS = "somebody slower is ahead"
     NO_ROOM_TO_PASS = "somebody ahead is slow or has halted, and there is no gap to pass"
     NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"
-
-
-@dataclass(frozen=True, slots=True)
-class StopAt:
-    """Stop with the front bumper at arc length `s` (m) of C at the latest; `cause` is the vehicle, light or stop."""
-
-    s: float
-    reason: Reason
-    region: str = ""
-    cause: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.nouns.plan import WayBeside
+from sumo_reactive.driver.nouns.plan import ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.traffic import RoadUser
 
@@ -59,7 +59,7 @@ class Queue(NamedTuple):
 
     lane_id: str
     users: tuple[Queued, ...]
-    way: WayBeside | None = None
+    way: ParallelLane | None = None
     near: tuple[Neighbour, ...] = ()
 
 

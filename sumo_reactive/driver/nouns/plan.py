@@ -12,20 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.geometry.angle import wrapped
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.geometry.polyline import eased
+from sumo_reactive.driver.geometry.polyline import eased, wrapped
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.parameters import MOVE_END_M, STANDING_SPEED, WHEELS_TURNED_RAD
 from sumo_reactive.driver.world.route import ScheduledStop
-
-
-@dataclass(frozen=True, slots=True)
-class TimeConstraint:
-    """Reach arc length `s` at `time` (s of simulation time)."""
-
-    s: float
-    time: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +66,7 @@ class LaneChange:
 
 
 @dataclass(frozen=True, slots=True)
-class WayBeside:
+class ParallelLane:
     """From `from_lane` of C, where C changes no lane, the route can as well be driven by `to_lane` beside it, on `side` (+1
     left, −1 right), with no change back on this road.
 
@@ -164,7 +156,7 @@ class NominalPlan:
     arc length where the front bumper has arrived, or None when the plan ends before the route does. `times` (n,) is when
     the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
     planned. `aside`: C leaves the lane's centre to pass somebody. `missed`: C begins a new route, since the turn to this
-    edge was missed (empty: it does not). `ways_beside`: other lanes that do as well, by route index.
+    edge was missed (empty: it does not). `parallel_lanes`: other lanes that do as well, by route index.
     `turnarounds`: where the car turns in several moves.
     """
 
@@ -180,15 +172,14 @@ class NominalPlan:
     joins: float = 0.0
     aside: Aside | None = None
     missed: str = ""
-    ways_beside: Mapping[int, tuple[WayBeside, ...]] = field(default_factory=dict)
+    parallel_lanes: Mapping[int, tuple[ParallelLane, ...]] = field(default_factory=dict)
     turnarounds: tuple[Turnaround, ...] = ()
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""
-        samples = min(max(s / self.curve.step, 0.0), len(self.times) - 1.0)
-        i = min(int(samples), len(self.times) - 2)
+        i, f = self.curve.sample_at(s)
         here, ahead = self.times.item(i), self.times.item(i + 1)
-        return time - here - (samples - i) * (ahead - here)
+        return time - here - f * (ahead - here)
 
     def nominal_speed(self, s: float) -> float:
         """The speed on schedule with the front axle at arc length `s`, m/s."""

@@ -62,7 +62,7 @@ class Neighbour(NamedTuple):
     ahead: float
 
 
-class Cut(NamedTuple):
+class OffTracking(NamedTuple):
     """The body covers lane `lane_id`, beside its own, with the front axle from `start` to `end` of C (m)."""
 
     start: float
@@ -86,8 +86,9 @@ class Snapshot(NamedTuple):
     `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 8): x, y, heading, speed, length,
     width, turn rate (rad/s), way left on the road (m) of every user near (front bumper centre). `static` (k, 2): points of
     O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: none while the pilot's decision rests on
-    none. `lights`: letters by light id. `passages`: indices of the plan's passages in sight. `cut`: the next place, on a
-    road, where the body will cover the lane beside; `neighbours` are then those on that lane.
+    none. `lights`: letters by light id. `passages`: the plan's passages in sight, by index. `off_tracking`: the next place,
+    on a road, where the body will cover the lane beside; `neighbours` are then those on that lane. `room`: how far the ego
+    may lean to the left and right of C inside its lane, m.
     """
 
     time: float
@@ -103,4 +104,5 @@ class Snapshot(NamedTuple):
     neighbours: tuple[Neighbour, ...]
     lights: Mapping[str, str]
     passages: tuple[int, ...] = ()
-    cut: Cut | None = None
+    off_tracking: OffTracking | None = None
+    room: tuple[float, float] = (0.0, 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -12,6 +13,10 @@ class Pose:
     x: float
     y: float
     heading: float
+
+    def ahead(self, distance: float) -> tuple[float, float]:
+        """Return the point (x, y) that lies `distance` m ahead of the rear axle along the body."""
+        return self.x + distance * math.cos(self.heading), self.y + distance * math.sin(self.heading)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,17 +1,18 @@
-"""Which lanes a route can be driven on, and at what cost: dynamic programming from the route's end."""
+"""Which lanes a route can be driven on, at what cost, and which the plan drives: dynamic programming from its end."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import LaneSegment, ParallelLane
 from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
 from sumo_reactive.driver.world.junction import Connection
-from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.opposite import separation
+from sumo_reactive.driver.world.lane import Lane, separation
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import PlanError
@@ -19,14 +20,14 @@ from sumo_reactive.errors import PlanError
 MIN_ROOM_M = 0.1
 
 
-class Outlook(NamedTuple):
+class LaneCost(NamedTuple):
     """What lies ahead on the cheapest way to the route's end: `cost` (inf: no way) and number of lane `changes`."""
 
     cost: float
     changes: int
 
 
-BLOCKED = Outlook(math.inf, 0)
+BLOCKED = LaneCost(math.inf, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +49,13 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class LaneChoice:
-    """The route's stages with two outlooks per lane: `onward` without a change in the stage, `best` with changes."""
+    """The route's stages with two costs per lane: `onward` without a change in the stage, `best` with changes."""
 
     graph: RoadGraph
     vehicle_class: str
     stages: tuple[Stage, ...]
-    onward: tuple[tuple[Outlook, ...], ...]
-    best: tuple[tuple[Outlook, ...], ...]
+    onward: tuple[tuple[LaneCost, ...], ...]
+    best: tuple[tuple[LaneCost, ...], ...]
 
     def stage_at(self, route_index: int, position: float = 0.0) -> int:
         """Return the number of the stage that holds `position` (m) of edge `route_index`."""
@@ -63,31 +64,26 @@ class LaneChoice:
             raise PlanError(f"the route has no edge number {route_index}")
         return next((n for n in found if position < self.stages[n].end), found[-1])
 
-    def outlook(self, route_index: int, lane_index: int, position: float = 0.0) -> Outlook:
-        """Return cost and number of changes to the route's end from a lane of edge `route_index`."""
-        lanes = self.best[self.stage_at(route_index, position)]
-        return lanes[lane_index] if 0 <= lane_index < len(lanes) else BLOCKED
-
     def connections(self, number: int, lane_index: int) -> list[Connection]:
         """Return the connections that leave stage `number` by a lane along the route, the best first."""
         stage, following = self.stages[number], self.stages[number + 1]
         found = route_connections(self.graph, stage.lanes[lane_index], following.lanes, self.vehicle_class)
-        outlooks = self.best[number + 1]
+        costs = self.best[number + 1]
 
         def rank(connection: Connection) -> tuple[float, int]:
             target = self.graph.lanes[connection.to_lane]
             from_outer = target.index - lane_index
             from_inner = from_outer + len(stage.lanes) - len(following.lanes)
-            return round(outlooks[target.index].cost, 6), min(abs(from_outer), abs(from_inner))
+            return round(costs[target.index].cost, 6), min(abs(from_outer), abs(from_inner))
 
         return sorted((c for c in found if rank(c)[0] < math.inf), key=rank)
 
 
 def choose_lanes(graph: RoadGraph, route: Route, vehicle_class: str) -> LaneChoice:
-    """Return the outlook of every lane of the route; PlanError when the network lacks an edge or a stop lies off it."""
+    """Return the cost of every lane of the route; PlanError when the network lacks an edge or a stop lies off it."""
     stages = tuple(_stages(graph, route))
-    onward: list[tuple[Outlook, ...]] = []
-    best: list[tuple[Outlook, ...]] = []
+    onward: list[tuple[LaneCost, ...]] = []
+    best: list[tuple[LaneCost, ...]] = []
     for number in reversed(range(len(stages))):
         stage = stages[number]
         following = None if number + 1 == len(stages) else stages[number + 1]
@@ -98,9 +94,9 @@ def choose_lanes(graph: RoadGraph, route: Route, vehicle_class: str) -> LaneChoi
 
 
 def options(
-    stage: Stage, lane_index: int, onward: tuple[Outlook, ...], room: float, vehicle_class: str
-) -> Iterator[tuple[int, Outlook]]:
-    """Yield (lane to leave by, outlook) for all lanes that changes within `room` (m) reach, the own lane first."""
+    stage: Stage, lane_index: int, onward: tuple[LaneCost, ...], room: float, vehicle_class: str
+) -> Iterator[tuple[int, LaneCost]]:
+    """Yield (lane to leave by, cost) for all lanes that changes within `room` (m) reach, the own lane first."""
     yield lane_index, onward[lane_index]
     for step in (1, -1):
         k = lane_index
@@ -110,7 +106,7 @@ def options(
             k += step
             changes = abs(k - lane_index)
             cost = onward[k].cost + changes * _change_cost(stage.lanes[k], room / changes)
-            yield k, Outlook(cost, onward[k].changes + changes)
+            yield k, LaneCost(cost, onward[k].changes + changes)
 
 
 def may_change(lane: Lane, neighbour: Lane, vehicle_class: str, left_hand: bool) -> bool:
@@ -136,11 +132,11 @@ def route_connections(graph: RoadGraph, lane: Lane, targets: tuple[Lane, ...], v
     return found
 
 
-def _best(stage: Stage, lane_index: int, onward: tuple[Outlook, ...], vehicle_class: str) -> Outlook:
-    """Return the outlook of a lane at the stage's start, with the changes that it may need there."""
+def _best(stage: Stage, lane_index: int, onward: tuple[LaneCost, ...], vehicle_class: str) -> LaneCost:
+    """Return the cost of a lane at the stage's start, with the changes that it may need there."""
     if not stage.lanes[lane_index].allows(vehicle_class):
         return BLOCKED
-    return min(outlook for _, outlook in options(stage, lane_index, onward, stage.end - stage.start, vehicle_class))
+    return min(found for _, found in options(stage, lane_index, onward, stage.end - stage.start, vehicle_class))
 
 
 def _change_cost(lane: Lane, room: float) -> float:
@@ -150,22 +146,22 @@ def _change_cost(lane: Lane, room: float) -> float:
 
 
 def _onward(
-    graph: RoadGraph, vehicle_class: str, stage: Stage, following: Stage | None, ahead: tuple[Outlook, ...]
-) -> tuple[Outlook, ...]:
-    """Return the outlook of each lane of `stage` when the car leaves the stage on that lane."""
+    graph: RoadGraph, vehicle_class: str, stage: Stage, following: Stage | None, ahead: tuple[LaneCost, ...]
+) -> tuple[LaneCost, ...]:
+    """Return the cost of each lane of `stage` when the car leaves the stage on that lane."""
 
-    def leave(k: int, lane: Lane) -> Outlook:
+    def leave(k: int, lane: Lane) -> LaneCost:
         if stage.required not in (None, k):
             return BLOCKED
         if following is None:
-            return Outlook(0.0, 0)
+            return LaneCost(0.0, 0)
         if following.route_index == stage.route_index:
             return ahead[k]
         ways = route_connections(graph, lane, following.lanes, vehicle_class)
         return min((ahead[graph.lanes[c.to_lane].index] for c in ways), default=BLOCKED)
 
-    def dear(outlook: Outlook, lane: Lane) -> Outlook:
-        return outlook._replace(cost=outlook.cost + SHARED_LANE_COST) if is_shared(graph, lane) else outlook
+    def dear(onward: LaneCost, lane: Lane) -> LaneCost:
+        return onward._replace(cost=onward.cost + SHARED_LANE_COST) if is_shared(graph, lane) else onward
 
     return tuple(dear(leave(k, lane), lane) for k, lane in enumerate(stage.lanes))
 
@@ -173,7 +169,7 @@ def _onward(
 @kept(8192)
 def is_shared(graph: RoadGraph, lane: Lane) -> bool:
     """Whether the map draws an oncoming lane over `lane`: cars of both directions would stand before each other there."""
-    oncoming = graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ())
+    oncoming = graph.oncoming(lane.edge_id)
     return any(separation(lane, other) < -SHARED_OVERLAP_M for other in oncoming[-1:])
 
 
@@ -197,3 +193,113 @@ def _stages(graph: RoadGraph, route: Route) -> Iterator[Stage]:
         yield Stage(i, lanes, start, max(arrival, start), route.arrival_lane, left_hand=graph.left_hand)
     if pending:
         raise PlanError(f"scheduled stop on lane '{pending[0].lane_id}' at {pending[0].position:.1f} m is not on the route")
+
+
+def parallel_lanes(choice: LaneChoice, segments: tuple[LaneSegment, ...]) -> Mapping[int, tuple[ParallelLane, ...]]:
+    """Return, by route index, the lanes beside C by which the route can be driven with no change back on that edge.
+
+    Where C itself changes lanes on an edge, there are none: that change comes first.
+    """
+    lanes = [segment for segment in segments if not choice.graph.lanes[segment.lane_id].is_internal]
+    times = Counter(segment.route_index for segment in lanes)
+    found = {one.route_index: tuple(_beside(choice, one)) for one in lanes if times[one.route_index] == 1}
+    return {index: ways for index, ways in found.items() if ways}
+
+
+def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[ParallelLane]:
+    own, left_hand = choice.graph.lanes[segment.lane_id], choice.graph.left_hand
+    number = choice.stage_at(segment.route_index, segment.lane_offset / own.scale)
+    lanes, onward = choice.stages[number].lanes, choice.onward[number]
+    for index in (own.index + 1, own.index - 1):
+        if not 0 <= index < len(lanes) or onward[index].cost == math.inf:
+            continue
+        if may_change(own, lanes[index], choice.vehicle_class, left_hand):
+            side = -1 if (index > own.index) == left_hand else 1
+            yield ParallelLane(own.id, lanes[index].id, side, 1.0 + onward[index].cost - onward[own.index].cost)
+
+
+@dataclass(frozen=True, eq=False)
+class LaneStep:
+    """One stage driven: over `lanes` (two or more: the changes in it), from `start` (m), out by `connection`.
+
+    `connection` is None where the stage ends at a stop on the lane or at the route's end. `opens` says how many steps
+    before this one the neighbour lane of the first change already runs along and leads to the same place.
+    """
+
+    stage: Stage
+    lanes: tuple[Lane, ...]
+    start: float
+    connection: Connection | None
+    opens: int = 0
+
+
+def lane_path(choice: LaneChoice, number: int, lane_index: int, position: float) -> Iterator[LaneStep]:
+    """Yield the steps from `position` (m) on a lane of stage `number` to the route's end; PlanError: no way."""
+    steps: list[LaneStep] = []
+    k = lane_index
+    for n in range(number, len(choice.stages)):
+        stage = choice.stages[n]
+        start = position if n == number else stage.start
+        leave = _exit_lane(choice, n, k, start)
+        step = 1 if leave > k else -1
+        lanes = tuple(stage.lanes[j] for j in range(k, leave + step, step))
+        following = choice.stages[n + 1] if n + 1 < len(choice.stages) else None
+        same_edge = following is not None and following.route_index == stage.route_index
+        connection = None if following is None or same_edge else choice.connections(n, leave)[0]
+        opens = _parallel_steps(choice, n, steps, lanes) if len(lanes) > 1 else 0
+        steps.append(LaneStep(stage, lanes, start, connection, opens))
+        yield steps[-1]
+        k = leave if connection is None else choice.graph.lanes[connection.to_lane].index
+
+
+def _exit_lane(choice: LaneChoice, number: int, lane_index: int, start: float) -> int:
+    """Return the lane to leave stage `number` by: least cost, then fewest changes here."""
+    stage = choice.stages[number]
+    ways = options(stage, lane_index, choice.onward[number], stage.end - start, choice.vehicle_class)
+    ranked = min(ways, key=lambda way: (round(way[1].cost, 6), abs(way[0] - lane_index)))
+    if ranked[1].cost == math.inf:
+        raise PlanError(_break_of(choice, number, stage.lanes[lane_index]))
+    return ranked[0]
+
+
+def _parallel_steps(choice: LaneChoice, number: int, before: list[LaneStep], lanes: tuple[Lane, ...]) -> int:
+    """Return how many steps back the lane `lanes[1]` already runs beside the path and leads here."""
+    side = lanes[1].index - lanes[0].index
+    target, count = lanes[1].index, 0
+    for step in reversed(before):
+        own = step.lanes[-1]
+        beside = own.index + side
+        if len(step.lanes) > 1 or not 0 <= beside < len(step.stage.lanes):
+            break
+        if not may_change(own, step.stage.lanes[beside], choice.vehicle_class, choice.graph.left_hand):
+            break
+        if not _leads_to(choice, number - count - 1, beside, target):
+            break
+        target, count = beside, count + 1
+    return count
+
+
+def _leads_to(choice: LaneChoice, number: int, lane_index: int, target: int) -> bool:
+    """Whether a lane of stage `number` continues to lane `target` of the next stage."""
+    if choice.onward[number][lane_index].cost == math.inf:
+        return False
+    stage, following = choice.stages[number], choice.stages[number + 1]
+    if following.route_index == stage.route_index:
+        return lane_index == target
+    connections = choice.connections(number, lane_index)
+    return any(choice.graph.lanes[c.to_lane].index == target for c in connections)
+
+
+def _break_of(choice: LaneChoice, number: int, lane: Lane) -> str:
+    """Describe where the route from `lane` in stage `number` cannot be driven on."""
+    who = f"class '{choice.vehicle_class}'"
+    for n in reversed(range(number, len(choice.stages))):
+        stage = choice.stages[n]
+        if all(onward.cost == math.inf for onward in choice.onward[n]):
+            if stage.stop is not None:
+                return f"scheduled stop on lane '{stage.stop.lane_id}' cannot be reached or left by {who}"
+            if n + 1 == len(choice.stages):
+                return f"arrival lane {stage.required} of edge '{stage.lanes[0].edge_id}' does not exist for {who}"
+            ahead = choice.stages[n + 1].lanes[0].edge_id
+            return f"no lane leads from edge '{stage.lanes[0].edge_id}' to edge '{ahead}' along the route for {who}"
+    return f"lane '{lane.id}' has no lane changes that lead along the route for {who}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,13 +10,11 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import CURVE_STEP_M, PLAN_HORIZON_M, STOP_LINE_MARGIN_M
-from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, may_change
-from sumo_reactive.driver.path.lane_path import lane_path
+from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
-from sumo_reactive.driver.path.trajectory import Trajectory, lane_limits, trajectory
+from sumo_reactive.driver.path.trajectory import CurveStart, Trajectory, lanes_at, trajectory
 from sumo_reactive.driver.path.turnaround import leads_back, road_around, turn_in_moves
-from sumo_reactive.driver.path.ways_beside import ways_beside
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -26,7 +23,6 @@ from sumo_reactive.errors import PlanError
 
 LATE_M = 0.3
 """A car past the place where a turn in several moves begins by more than this turns in one sweep."""
-
 PROJECTION_REACH_M = 15.0
 """The front axle is looked for this far around its stated lane position."""
 
@@ -48,11 +44,10 @@ class PlanStart:
     route_index: int
     speed_factor: float = 1.0
 
-    def front_axle(self, wheelbase: float) -> tuple[float, float, float]:
-        """Return place (m, m) of the front axle and direction (rad) of its motion (F&L 1991, §3.1)."""
-        x = self.pose.x + wheelbase * math.cos(self.pose.heading)
-        y = self.pose.y + wheelbase * math.sin(self.pose.heading)
-        return x, y, self.pose.heading + self.steering_angle
+    def curve_start(self, wheelbase: float) -> CurveStart:
+        """Return where the front axle is and how it moves (F&L 1991, §3.1)."""
+        heading = self.pose.heading + self.steering_angle
+        return CurveStart(*self.pose.ahead(wheelbase), heading, self.speed, self.steering_angle, self.speed_factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,30 +60,24 @@ class LeftLane:
 
 
 def plan(
-    graph: RoadGraph,
-    route: Route,
-    vehicle_class: str,
-    limits: VehicleLimits,
-    start: PlanStart,
-    *,
-    change_now: int = 0,
-    aside: Aside | None = None,
-    choice: LaneChoice | None = None,
-) -> NominalPlan:
+    graph: RoadGraph, route: Route, vehicle_class: str, limits: VehicleLimits, start: PlanStart, *,
+    change_now: int = 0, aside: Aside | None = None, choice: LaneChoice | None = None,
+) -> NominalPlan:  # fmt: skip
     """Return the nominal plan from `start` along `route`, at most PLAN_HORIZON_M ahead.
 
     `change_now` (+1 left, −1 right) begins the change to that neighbour lane at the car's pose; `aside` leads beside the
-    lane's centre, its places counted from the front axle. `choice` saves the route's lane outlooks from an earlier call.
-    PlanError names the edges that no lane sequence connects.
+    lane's centre, its places counted from the front axle. `choice` saves the lanes' costs from an earlier call. PlanError
+    names the edges that no lane sequence connects.
     """
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
     turns = _turns(reference, route, limits, vehicle_class)
-    front, stretches = start.front_axle(limits.wheelbase), [(turn.start, turn.end) for turn in turns]
-    course = trajectory(reference, front, start.speed, start.speed_factor, limits, aside, start.steering_angle, stretches)
-    nominal = _on_curve(reference, course, limits, start, left, aside, turns)
-    return replace(nominal, ways_beside=ways_beside(choice, nominal.segments))
+    in_moves = [(turn.start, turn.end) for turn in turns]
+    course = trajectory(reference, start.curve_start(limits.wheelbase), limits, aside, in_moves)
+    nominal = _on_curve(reference, course, limits, start, left, turns)
+    kept_aside = None if aside is None else replace(aside, back=course.s(aside.back), until=course.s(aside.until))
+    return replace(nominal, aside=kept_aside, parallel_lanes=parallel_lanes(choice, nominal.segments))
 
 
 def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str) -> list[Turnaround]:
@@ -97,7 +86,7 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
     for connection, began, ended in reference.passages:
         if began < 0.0 or not leads_back(reference.graph, connection.id):  # it has begun before the plan does
             continue
-        before = _index_of(reference, began)
+        before = _piece_at(reference, began).route_index  # of the edge before the junction
         around = road_around(reference.graph, connection.id, route.edges, before, limits)
         turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class, around)
         if turn is None or began - turn.before - STOP_LINE_MARGIN_M <= limits.front_overhang - LATE_M:
@@ -109,11 +98,6 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
             lanes = own.lane.id, own.route_index, connection.to_lane, index
             found.append(Turnaround(start, began, ended, *lanes, turn.moves, turn.duration, turn.into))
     return found
-
-
-def _index_of(reference: Reference, u: float) -> int:
-    """Return the index in the route of the edge at reference arc length `u`, m, or of the one before a junction there."""
-    return _piece_at(reference, u).route_index
 
 
 def _piece_at(reference: Reference, u: float) -> Piece:
@@ -132,7 +116,7 @@ def _reference(
         connection = choice.graph.connection_of[lane.id]
         following = choice.graph.lanes[connection.to_lane]
         index = _index_behind(route, following.edge_id, start.route_index)
-        at = _axle_on(connection.path, _part_start(choice.graph, lane.id), limits, start)
+        at = _axle_on(connection.path, dict(choice.graph.lanes_behind(connection))[lane.id], limits, start)
         reference.pass_junction(connection, start.route_index, at, at)
         _drive_on(reference, choice, choice.stage_at(index), following, 0.0, 0.0)
         return reference, None
@@ -161,18 +145,13 @@ def _drive_on(reference: Reference, choice: LaneChoice, number: int, lane: Lane,
 
 
 def _on_curve(
-    reference: Reference,
-    course: Trajectory,
-    limits: VehicleLimits,
-    start: PlanStart,
-    left: LeftLane | None,
-    aside: Aside | None,
+    reference: Reference, course: Trajectory, limits: VehicleLimits, start: PlanStart, left: LeftLane | None,
     turns: list[Turnaround],
-) -> NominalPlan:
+) -> NominalPlan:  # fmt: skip
     """Return the plan: the reference's places carried over to C, its speeds and times."""
     curve, s = course.curve, course.s
     arc = CURVE_STEP_M * np.arange(len(curve.x), dtype=np.float64)
-    pace = lane_limits(reference.pieces, course.reference_at(arc), start.speed_factor)
+    pace = lanes_at(reference.pieces, course.reference_at(arc))[0] * start.speed_factor
     turnarounds = tuple(replace(turn, start=s(turn.start), line=s(turn.line), end=s(turn.end)) for turn in turns)
     for turn in turnarounds:
         pace[(turn.line < arc) & (arc < turn.end)] = turn.pace
@@ -194,7 +173,6 @@ def _on_curve(
         goal=goal,
         times=times,
         joins=course.blend_end,
-        aside=None if aside is None else replace(aside, back=s(aside.back), until=s(aside.until)),
         turnarounds=turnarounds,
     )
 
@@ -240,16 +218,9 @@ def _neighbour(choice: LaneChoice, lane: Lane, side: int) -> Lane:
 def _axle_on(line: Polyline, before: float, limits: VehicleLimits, start: PlanStart) -> float:
     """Return the front axle's arc length on `line`, where the start lane begins at `before`; it may be negative."""
     expected = before + start.lane_position - limits.front_overhang
-    x, y, _ = start.front_axle(limits.wheelbase)
-    found = line.project(x, y)[0]
+    found = line.project(*start.pose.ahead(limits.wheelbase))[0]
     inside = 0.0 < found < line.length and abs(found - expected) < PROJECTION_REACH_M
     return found if inside else min(expected, line.length)
-
-
-def _part_start(graph: RoadGraph, lane_id: str) -> float:
-    """Return the arc length on its connection's path where internal lane `lane_id` begins."""
-    parts = graph.connection_of[lane_id].parts
-    return sum(graph.lanes[part].spine.length for part in parts[: parts.index(lane_id)])
 
 
 def _index_behind(route: Route, edge_id: str, route_index: int) -> int:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, joined, wrapped
 from sumo_reactive.driver.parameters import CURVE_RUNOUT_M, CURVE_STEP_M, LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
-from sumo_reactive.driver.path.lane_path import LaneStep
-from sumo_reactive.driver.path.overrun import overrun_of
+from sumo_reactive.driver.path.lane_choice import LaneStep
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -133,9 +135,9 @@ class Reference:
         self.follow(lane, index, at, begin)
         start = self.length
         old = resampled(cut(lane.spine, begin, begin + length))
-        feet, new = project_all(following.spine, old)
+        feet = following.spine.arc_lengths_at(old)
         share = np.linspace(0.0, 1.0, len(old))[:, None]
-        line = old + (new - old) * eased(share)
+        line = old + (following.spine.points_at(feet) - old) * eased(share)
         half = len(line) // 2
         self._append(line[: half + 1])
         self.pieces.append(Piece(following, index, self.length, float(feet[half])))
@@ -153,22 +155,11 @@ class Reference:
         self.points.append(chunk)
 
 
-def project_all(line: Polyline, points: Points) -> tuple[Points, Points]:
-    """Return (arc lengths (n,), feet (n, 2)) of the closest points of `line` to `points` (n, 2)."""
-    a, way = line.points[:-1], np.diff(line.points, axis=0)
-    squared = np.maximum((way**2).sum(axis=1), 1e-12)
-    t = np.clip(((points[:, None, :] - a) * way).sum(axis=2) / squared, 0.0, 1.0)
-    feet = a + t[..., None] * way
-    nearest = np.argmin(((points[:, None, :] - feet) ** 2).sum(axis=2), axis=1)
-    rows = np.arange(len(points))
-    return line.arc_lengths[nearest] + t[rows, nearest] * np.sqrt(squared[nearest]), feet[rows, nearest]
-
-
 def resampled(points: Points) -> Points:
     """Return `points` at even arc length, about CURVE_STEP_M apart, ends kept, at least five of them."""
     line = Polyline(points)
     s = np.linspace(0.0, line.length, max(int(line.length / CURVE_STEP_M) + 1, 5))
-    return np.column_stack([np.interp(s, line.arc_lengths, points[:, k]) for k in (0, 1)])
+    return line.points_at(s)
 
 
 def _end_on(lane: Lane, step: LaneStep) -> float:
@@ -180,3 +171,47 @@ def _end_on(lane: Lane, step: LaneStep) -> float:
 def _beside(lane: Lane, following: Lane) -> float:
     """Return the spine arc length of `lane` up to which `following` runs beside it."""
     return float(lane.spine.project(*following.spine.at(following.spine.length))[0])
+
+
+TURNED_BACK_RAD = math.radians(110.0)
+"""A connection turns back on its lane if it begins in a direction this far from the lane's, and does not lead back."""
+REACH_M = 30.0
+"""The way behind the end of the lane is looked at so far."""
+BEGUN_M = 0.5
+"""A way that has just begun is on its lane for so long."""
+LEAST_OVERRUN_M = 2.0
+"""What a lane overruns the next one by less is smoothed away."""
+
+
+class Overrun(NamedTuple):
+    """C leaves the lane at its spine arc length `leaves` and goes on at `joins` of the connection's path and the lane behind
+    it, m: in between it would drive on and come back along the lane."""
+
+    leaves: float
+    joins: float
+
+
+@kept(4096)
+def overrun_of(graph: RoadGraph, connection_id: str) -> Overrun | None:
+    """Return what C leaves out where a connection turns back on its lane; None where it does not.
+
+    That is up to where the way behind the lane's end crosses the lane for the last time, else leaves it to the side.
+    """
+    way = graph.connections[connection_id]
+    own, behind = graph.lanes[way.from_lane], graph.lanes[way.to_lane]
+    before, onto = own.spine.heading_at(own.spine.length), behind.spine.heading_at(0.0)
+    turned = abs(wrapped(way.path.heading_at(0.0) - before))
+    if turned < TURNED_BACK_RAD or abs(wrapped(onto - before)) > TURNED_BACK_RAD:
+        return None
+    back = Polyline(joined([way.path.points, behind.spine.points]))
+    at = np.arange(BEGUN_M, min(back.length, way.path.length + REACH_M), CURVE_STEP_M)
+    places = back.points_at(at)
+    aside, along = own.spine.offsets(places), own.spine.arc_lengths_at(places)
+    beside = (along > 0.0) & (along < own.spine.length)
+    crosses = np.flatnonzero((aside[1:] * aside[:-1] < 0.0) & beside[1:]) + 1
+    leaves = np.flatnonzero(beside & (np.abs(aside) > 0.5 * own.width))
+    if not len(crosses) and not len(leaves):
+        return None
+    k = crosses[-1] if len(crosses) else leaves[0]
+    left_out = own.spine.length - float(along[k])
+    return Overrun(float(along[k]), float(at[k])) if left_out > LEAST_OVERRUN_M else None

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop, TimeConstraint
+from sumo_reactive.driver.geometry.polyline import Floats
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.parameters import CURVATURE_WINDOW_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-
-Floats = NDArray[np.float64]
 
 MIN_SPEED = 0.1
 """m/s; keeps the time of a sample finite where a speed limit or a standing start is 0."""
@@ -45,13 +44,9 @@ def accelerating_from(speeds: Floats, step: float, acceleration: float) -> Float
 
 
 def time_constraints(
-    step: float,
-    envelope: Floats,
-    places: Sequence[float],
-    stops: Sequence[PlannedStop],
-    limits: VehicleLimits,
+    step: float, envelope: Floats, places: Sequence[float], stops: Sequence[PlannedStop], limits: VehicleLimits,
     start: tuple[float, float],
-) -> tuple[tuple[TimeConstraint, ...], Floats]:
+) -> tuple[tuple[TimeConstraint, ...], Floats]:  # fmt: skip
     """Return when the front bumper reaches `places` and `stops` (m on C) at the earliest, and the times (n,) of F.
 
     `envelope` (n,) are the highest speeds (m/s) at samples `step` m apart; `start` is (time s, speed m/s). A stop's

@@ -5,38 +5,55 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.linalg import solveh_banded
+from scipy.ndimage import maximum_filter1d
 
-from sumo_reactive.driver.geometry.angle import wrapped
-from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, moved_aside
+from sumo_reactive.driver.geometry.curve import Curve, project_each
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, curvature_of, cut, eased, moved_aside, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
 from sumo_reactive.driver.parameters import (
+    COMFORT_DEVIATION_M,
     CURVE_STEP_M,
     MAX_START_BLEND_M,
     MAX_SWING_OUT_M,
     MIN_START_BLEND_M,
     MIN_STEP_LATERAL,
     PLAN_HORIZON_M,
+    SMOOTHING_GROWTH,
+    SMOOTHING_LENGTH_M,
+    SMOOTHING_PASSES,
+    SMOOTHING_REACH_M,
 )
-from sumo_reactive.driver.path.centring import centred
+from sumo_reactive.driver.path.aside import centred, clear_of_others
 from sumo_reactive.driver.path.reference import Piece, Reference
-from sumo_reactive.driver.path.smoothing import curvature_of, smoothed
 from sumo_reactive.driver.path.turning import turnable
-from sumo_reactive.driver.path.waiting import clear_of_waiting
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.vehicle.side_step import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
-
-Floats = NDArray[np.float64]
+from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
-
 MIN_STRETCH = 0.05
 """Least metres of C per metre of reference: inside a bend about a point of the line its places keep their order."""
+PINNED_LENGTH_M = 0.05
+"""Smoothing length of samples that must stay where they are."""
+
+
+class CurveStart(NamedTuple):
+    """Where C begins: place of the front axle (m), direction of its motion (rad), speed (m/s) and steering angle (rad).
+
+    `speed_factor` scales lane limits.
+    """
+
+    x: float
+    y: float
+    heading: float
+    speed: float
+    steering_angle: float = 0.0
+    speed_factor: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,76 +75,50 @@ class Trajectory:
 
 
 def trajectory(
-    reference: Reference,
-    front: tuple[float, float, float],
-    speed: float,
-    speed_factor: float,
-    limits: VehicleLimits,
-    aside: Aside | None = None,
-    steering_angle: float = 0.0,
+    reference: Reference, start: CurveStart, limits: VehicleLimits, aside: Aside | None = None,
     in_moves: Sequence[tuple[float, float]] = (),
-) -> Trajectory:
-    """Return the smooth curve from the front axle's place and direction `front` (m, m, rad) along the reference.
+) -> Trajectory:  # fmt: skip
+    """Return the smooth curve from `start` along the reference.
 
-    `aside` leads it beside the reference for a while. `steering_angle` (rad) is the car's at the start. `in_moves`: from
-    where to where (m of the reference) the car turns in moves, so that C need not be steered.
+    `aside` leads it beside the reference for a while. `in_moves`: from where to where (m of the reference) the car turns in
+    moves, so that C need not be steered.
     """
-    centre = _centre_line(reference)
+    centre = Polyline(np.vstack(reference.points))
+    if reference.goal is None and centre.length > PLAN_HORIZON_M:
+        centre = Polyline(cut(centre, 0.0, PLAN_HORIZON_M))
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
-    line = _points_at(centre, u)
+    line = centre.points_at(u)
     if aside is not None:
         line = moved_aside(line, lateral_of(aside, u))
-    start = reference.pieces[0].lane.width
-    lanes, _ = _met_from(line, front, speed, start, limits)
-    left_hand = reference.graph.left_hand
-    half_widths = _half_widths(reference.pieces, u)
-    line = clear_of_waiting(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
-    line, blend = _met_from(line, front, speed, start, limits)
-    pace = lane_limits(reference.pieces, u, speed_factor)
-    comfort = limits.comfort_lateral_acceleration / np.maximum(np.minimum(pace, limits.max_speed), 1.0) ** 2
+    width, left_hand = reference.pieces[0].lane.width, reference.graph.left_hand
+    lanes, _ = _met_from(line, start, width, limits)
+    pace, half_widths = lanes_at(reference.pieces, u)
+    line = clear_of_others(centred(line, half_widths, limits, left_hand), half_widths, reference, limits)
+    line, blend = _met_from(line, start, width, limits)
+    pace = np.minimum(pace * start.speed_factor, limits.max_speed)
+    comfort = limits.comfort_lateral_acceleration / np.maximum(pace, 1.0) ** 2
     fitted = smoothed(line, CURVE_STEP_M, comfort)
     kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
-    fitted, index = turnable(fitted, lanes, curvature_of(fitted), limits, steering_angle, left_hand, kept)
+    fitted, index = turnable(fitted, lanes, limits, start.steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
     places = np.union1d(u, centre.arc_lengths[centre.arc_lengths < u[-1]])
-    feet = _feet(_points_at(centre, places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
+    feet = _feet(centre.points_at(places), places, curve, np.interp(places, CURVE_STEP_M * index, arc))
     return Trajectory(curve, places, feet, float(np.interp(blend, places, feet)))
 
 
-def lane_limits(pieces: list[Piece], u: Floats, speed_factor: float) -> Floats:
-    """Return the lanes' speed limit times `speed_factor` (n,), m/s, at reference arc lengths `u` (n,)."""
-    starts = np.array([piece.u for piece in pieces])
-    index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
-    return np.asarray(np.array([piece.lane.speed_limit for piece in pieces])[index] * speed_factor)
-
-
-def _half_widths(pieces: list[Piece], u: Floats) -> Floats:
-    """Return half the lanes' width (n,), m, at reference arc lengths `u` (n,)."""
+def lanes_at(pieces: list[Piece], u: Floats) -> tuple[Floats, Floats]:
+    """Return the lanes' speed limits (n,), m/s, and half their widths (n,), m, at reference arc lengths `u` (n,)."""
     index = np.clip(np.searchsorted([piece.u for piece in pieces], u, side="right") - 1, 0, None)
-    return np.asarray(np.array([0.5 * piece.lane.width for piece in pieces])[index])
+    limits, halves = np.array([(piece.lane.speed_limit, 0.5 * piece.lane.width) for piece in pieces])[index].T
+    return limits, halves
 
 
-def _centre_line(reference: Reference) -> Polyline:
-    """Return the reference as one line, up to the horizon unless it ends at the goal."""
-    line = Polyline(np.vstack(reference.points))
-    if reference.goal is not None or line.length <= PLAN_HORIZON_M:
-        return line
-    return Polyline(cut(line, 0.0, PLAN_HORIZON_M))
+def _met_from(line: Points, start: CurveStart, width: float, limits: VehicleLimits) -> tuple[Points, float]:
+    """Return `line` bent at its beginning to lead from `start` in its direction, and the length of the transition, m.
 
-
-def _points_at(line: Polyline, u: Floats) -> Points:
-    """Return the points (n, 2) of `line` at arc lengths `u` (n,), m."""
-    return np.column_stack([np.interp(u, line.arc_lengths, line.points[:, k]) for k in (0, 1)])
-
-
-def _met_from(
-    line: Points, front: tuple[float, float, float], speed: float, width: float, limits: VehicleLimits
-) -> tuple[Points, float]:
-    """Return `line` bent at its start to begin at `front` in its direction, and the length of the transition, m.
-
-    A quintic takes the offset and the difference of direction to zero.
+    A quintic takes the offset and the difference of direction to zero. `width` (m) is the lane's.
     """
-    x, y, heading = front
+    x, y, heading, speed = start[:4]
     ahead = line[1] - line[0]
     direction = math.atan2(ahead[1], ahead[0])
     offset = np.array([x, y]) - line[0]
@@ -185,14 +176,8 @@ def _feet(points: Points, u: Floats, curve: Curve, guess: Floats) -> Floats:
 
     Smoothing moves samples along the line too: into a turn that it shortens, by up to 0.3 m on either side.
     """
-    samples = np.column_stack([curve.x, curve.y])
-    reach = int(FOOT_REACH_M / curve.step)
-    k = np.clip((guess / curve.step).astype(int)[:, None] + np.arange(-reach, reach + 1), 0, len(samples) - 2)
-    way, off = samples[k + 1] - samples[k], points[:, None, :] - samples[k]
-    share = np.clip((off * way).sum(axis=2) / np.maximum((way**2).sum(axis=2), 1e-12), 0.0, 1.0)
-    nearest = np.argmin(((off - share[..., None] * way) ** 2).sum(axis=2), axis=1)
-    rows, least = np.arange(len(points)), MIN_STRETCH * u
-    found = curve.step * (k[rows, nearest] + share[rows, nearest])
+    found = np.maximum(project_each(points, curve.x, curve.y, curve.step, guess, FOOT_REACH_M), 0.0)
+    least = MIN_STRETCH * u
     return np.asarray(np.minimum(np.maximum.accumulate(found - least) + least, curve.length))
 
 
@@ -209,3 +194,44 @@ def _even(points: Points) -> tuple[Curve, Floats]:
     heading = np.unwrap(np.arctan2(dy, dx))
     curvature = (dx * ddy - dy * ddx) / np.maximum(np.hypot(dx, dy) ** 3, 1e-9)
     return Curve(np.ascontiguousarray(x), np.ascontiguousarray(y), heading, curvature, CURVE_STEP_M), arc
+
+
+def smoothed(line: Points, step: float, comfort_curvature: Floats) -> Points:
+    """Return `line` (n, 2), sampled every `step` m, made smooth; its first two samples stay.
+
+    Where |curvature| exceeds `comfort_curvature` (n,), 1/m, the line is loosened step by step, until it does not or
+    leaves the centre line by COMFORT_DEVIATION_M.
+    """
+    lengths = np.full(len(line), SMOOTHING_LENGTH_M)
+    stiffness = _third_difference_bands(len(line), step)
+    reach = 2 * int(SMOOTHING_REACH_M / step) + 1
+    result = _fitted(line, stiffness, lengths)
+    for _ in range(SMOOTHING_PASSES):
+        away = maximum_filter1d(np.hypot(*(result - line).T), reach)
+        tight = (np.abs(curvature_of(result)) > comfort_curvature) & (away < COMFORT_DEVIATION_M / SMOOTHING_GROWTH)
+        if not tight.any():
+            break
+        lengths = np.where(maximum_filter1d(tight, reach), lengths * SMOOTHING_GROWTH, lengths)
+        result = _fitted(line, stiffness, lengths)
+    return np.asarray(result)
+
+
+def _fitted(line: Points, stiffness: Floats, lengths: Floats) -> Points:
+    """Return argmin Σ ‖p − line‖² / length⁶ + Σ ‖third derivative of p‖², shape (n, 2)."""
+    weights = lengths**-6.0
+    weights[:2] = PINNED_LENGTH_M**-6.0
+    bands = stiffness.copy()
+    bands[-1] += weights
+    centre = line.mean(axis=0)
+    fitted: Points = solveh_banded(bands, weights[:, None] * (line - centre), check_finite=False)
+    return np.asarray(fitted + centre)
+
+
+def _third_difference_bands(n: int, step: float) -> Floats:
+    """Return the upper bands (4, n) of DᵀD for the third-derivative operator D on n samples."""
+    row = np.array([-1.0, 3.0, -3.0, 1.0])
+    bands = np.zeros((4, n))
+    for a in range(4):
+        for b in range(a, 4):
+            bands[3 - (b - a), b : b + n - 3] += row[a] * row[b]
+    return bands / step**6

@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.geometry.polyline import Floats, Polyline
+from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import Move
+from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import (
     CURVE_STEP_M,
     MOVE_CHANGE_S,
@@ -25,26 +26,24 @@ from sumo_reactive.driver.parameters import (
     TURNAROUNDS_KEPT,
 )
 from sumo_reactive.driver.path.reference import Reference
-from sumo_reactive.driver.path.trajectory import trajectory
-from sumo_reactive.driver.path.turning import U_TURN_RAD, steering_along
+from sumo_reactive.driver.path.trajectory import CurveStart, trajectory
+from sumo_reactive.driver.path.turning import U_TURN_RAD
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Floats = NDArray[np.float64]
-
-STEP_M = 0.15
+ARC_STEP_M = 0.15
 """Poses on an arc are looked at this far apart."""
 LONGEST = 90
 """Most poses of an arc, that is 13.5 m: half a circle of a car."""
 SWEEP_SPEED = 3.0
 """m/s; how fast a tight turn is approached when its sweep is tried."""
 ATTEMPTS = ((3, 0.0, 0.0), (3, 1.0, 0.0), (5, 0.0, 0.0), (7, 1.0, 0.0), (7, 1.0, 0.6))
-"""Most moves; how far the middles of the bumpers may leave the road, as a share of half the car's width without SPARE_M; and
-how much farther the rear one, m. The wheels stay on it, and three moves are preferred to five."""
-SPARE_M = 0.25
+"""Most moves; how far the middles of the bumpers may leave the road, as a share of half the car's width without
+OFF_ROAD_SPARE_M; and how much farther the rear one, m. The wheels stay on it, and three moves are preferred to five."""
+OFF_ROAD_SPARE_M = 0.25
 """A front that leaves the road by half the car's width is off it; a turn stays clear of that by this much."""
 BEGINNINGS_M = (1.0, 2.5, 4.0, 6.0)
 """How far before the end of its lane the turn may begin: SUMO maps a stand-in nearer to it to the lane behind."""
@@ -62,7 +61,7 @@ SAME_M, SAME_RAD = 0.4, 0.08
 """Poses that differ by less are one."""
 
 
-class Turn(NamedTuple):
+class MultiPointTurn(NamedTuple):
     """A turn in `moves` from a stand with the front bumper `before` m before the end of the lane; it takes `duration` s and
     ends with the front `into` m along the lane behind."""
 
@@ -79,18 +78,7 @@ class Around(NamedTuple):
     behind: tuple[str, ...] = ()
 
 
-NOTHING_AROUND = Around()
-
-
-class _Pose(NamedTuple):
-    """Place of the rear axle (m, m) and heading (rad)."""
-
-    x: float
-    y: float
-    heading: float
-
-
-def ground_of(lanes: Sequence[Lane], x: float, y: float) -> Floats:
+def road_near(lanes: Sequence[Lane], x: float, y: float) -> Floats:
     """Return the road that `lanes` cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to (x, y) with half their
     width, (k, 5), m."""
     chains = [lane.spine.points for lane in lanes]
@@ -117,11 +105,11 @@ def _arc(
     x: float, y: float, heading: float, gear: int, angle: float, wheelbase: float, ahead: float, behind: float,
     ground: Floats, front_beyond: float, rear_beyond: float,
 ) -> Floats:  # fmt: skip
-    """Return the poses (n, 3), STEP_M apart, that follow with the wheels at `angle` (rad) as long as the bumpers, `ahead`
-    and `behind` m from the rear axle, leave the `ground` (k, 5) by no more than is allowed (m)."""
+    """Return the poses (n, 3), ARC_STEP_M apart, that follow with the wheels at `angle` (rad) as long as the bumpers,
+    `ahead` and `behind` m from the rear axle, leave the `ground` (k, 5) by no more than is allowed (m)."""
     found = np.empty((LONGEST, 3))
     for k in range(LONGEST):
-        px, py, ph = advance_pose(x, y, heading, gear * STEP_M * (k + 1), angle, wheelbase, 1.0)
+        px, py, ph = advance_pose(x, y, heading, gear * ARC_STEP_M * (k + 1), angle, wheelbase, 1.0)
         c, s = math.cos(ph), math.sin(ph)
         if _beyond(ground, px + ahead * c, py + ahead * s) > front_beyond:
             return found[:k]
@@ -142,10 +130,11 @@ class _Task(NamedTuple):
     side: int
     limits: VehicleLimits
 
-    def arc(self, pose: _Pose, gear: int, angle: float) -> Floats:
+    def arc(self, pose: Pose, gear: int, angle: float) -> Floats:
         """Return the poses (n, 3) that follow `pose` in `gear` with the wheels at `angle`, as long as they are allowed."""
         own = self.limits
-        return _arc(*pose, gear, angle, own.wheelbase, own.front_to_rear_axle, own.rear_overhang, self.ground, *self.beyond)
+        sizes = own.wheelbase, own.front_to_rear_axle, own.rear_overhang
+        return _arc(pose.x, pose.y, pose.heading, gear, angle, *sizes, self.ground, *self.beyond)
 
     def move(self, gear: int, angle: float, until: float, *, is_last: bool = False) -> Move:
         """Return the move in `gear` with the wheels at `angle` up to heading `until`."""
@@ -155,17 +144,14 @@ class _Task(NamedTuple):
         """Return how many of an arc's poses it takes to turn to the end; too many, where they do not."""
         return int(np.searchsorted(self.side * arc[:, 2], self.side * self.until)) + 1
 
-    def ends_in_lane(self, pose: _Pose) -> bool:
+    def ends_in_lane(self, pose: Pose) -> bool:
         """Whether the front axle is in the lane to turn into."""
-        reach = self.limits.wheelbase
-        x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
-        return bool(abs(self.lane.offsets(np.array([[x, y]]))[0]) < INTO_LANE_M)
+        return bool(abs(self.lane.offsets(np.array([pose.ahead(self.limits.wheelbase)]))[0]) < INTO_LANE_M)
 
-    def front_along(self, pose: _Pose) -> float:
+    def front_along(self, pose: Pose) -> float:
         """Return how far along the lane to turn into the front bumper is, m; it may be past its end."""
-        (x, y), reach = self.lane.at(0.0), self.limits.front_to_rear_axle
-        dx, dy = pose.x + reach * math.cos(pose.heading) - x, pose.y + reach * math.sin(pose.heading) - y
-        return dx * math.cos(self.until) + dy * math.sin(self.until)
+        (x, y), (fx, fy) = self.lane.at(0.0), pose.ahead(self.limits.front_to_rear_axle)
+        return (fx - x) * math.cos(self.until) + (fy - y) * math.sin(self.until)
 
 
 @kept(TURNAROUNDS_KEPT)
@@ -214,12 +200,9 @@ def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: i
 
 @kept(TURNAROUNDS_KEPT)
 def turn_in_moves(
-    graph: RoadGraph,
-    connection_id: str,
-    limits: VehicleLimits,
-    vehicle_class: str = "passenger",
-    around: Around = NOTHING_AROUND,
-) -> Turn | None:
+    graph: RoadGraph, connection_id: str, limits: VehicleLimits, vehicle_class: str = "passenger",
+    around: Around | None = None,
+) -> MultiPointTurn | None:  # fmt: skip
     """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
 
     As few moves as possible, and if it can be with the middles of its bumpers on the road, to which the lanes `around`
@@ -227,7 +210,7 @@ def turn_in_moves(
     """
     connection = graph.connections[connection_id]
     own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
-    turned = _turned(own, connection, behind)
+    turned, around = _turned(own, connection, behind), around or Around()
     inside = [graph.lanes[name] for name in (*connection.parts, *around.before, *around.behind)]
     before, exits = (
         [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
@@ -235,10 +218,10 @@ def turn_in_moves(
     if not leads_back(graph, connection_id) or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
         return None
     approach = Polyline(np.vstack([*(graph.lanes[name].spine.points for name in around.before), own.spine.points]))
-    ground, side = ground_of([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
+    ground, side = road_near([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
     start = own.spine.heading_at(own.spine.length)
     for most, share, more in ATTEMPTS:
-        aside = share * max(0.5 * limits.width - SPARE_M, 0.0)
+        aside = share * max(0.5 * limits.width - OFF_ROAD_SPARE_M, 0.0)
         task = _Task(ground, (aside, aside + more), behind.spine, start + turned, side, limits)
         found = _searched(task, _beginnings(approach, connection.hold_back, limits), most)
         if found is not None:
@@ -263,33 +246,33 @@ def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, l
     reference.follow(behind, 0, 0.0, min(TURNAROUND_LEAD_M, behind.spine.length))
     reference.run_out(TURNAROUND_LEAD_M)
     first, second = reference.points[0][:2]
-    front = float(first[0]), float(first[1]), math.atan2(second[1] - first[1], second[0] - first[0])
-    curve = trajectory(reference, front, SWEEP_SPEED, 1.0, limits).curve
+    heading = math.atan2(second[1] - first[1], second[0] - first[0])
+    start = CurveStart(float(first[0]), float(first[1]), heading, SWEEP_SPEED)
+    curve = trajectory(reference, start, limits).curve
     along = curve.heading - steering_along(curve.heading, np.full(len(curve.x), curve.step), limits.wheelbase, 0.0)
     reach = limits.front_overhang
     bumper = np.column_stack((curve.x + reach * np.cos(along), curve.y + reach * np.sin(along)))
     near = int(TURNAROUND_LEAD_M / CURVE_STEP_M)
-    ground = ground_of(lanes, *own.spine.at(own.spine.length))
+    ground = road_near(lanes, *own.spine.at(own.spine.length))
     return all(_beyond(ground, x, y) < 0.5 * limits.width for x, y in bumper[near // 2 : len(bumper) - near].tolist())
 
 
-def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, _Pose]]:
+def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, Pose]]:
     """Return where the turn may begin: the bumper's way to the end of the lane (m), and the pose there."""
     found = []
     for more in BEGINNINGS_M:
         before = hold_back + more
         if before < spine.length:
             place = spine.length - before - STOP_LINE_MARGIN_M
-            (x, y), heading = spine.at(place), spine.heading_at(place)
-            reach = limits.front_to_rear_axle
-            found.append((before, _Pose(x - reach * math.cos(heading), y - reach * math.sin(heading), heading)))
+            front = Pose(*spine.at(place), spine.heading_at(place))
+            found.append((before, Pose(*front.ahead(-limits.front_to_rear_axle), front.heading)))
     return found
 
 
-def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> Turn | None:
+def _searched(task: _Task, beginnings: list[tuple[float, Pose]], most: int) -> MultiPointTurn | None:
     """Return the turn with the fewest moves, at most `most`, among those the shortest; best first, equal poses once."""
     lock, number = task.side * STEERING_MARGIN * task.limits.max_steering_angle, itertools.count()
-    queue: list[tuple[int, float, int, float, _Pose, tuple[Move, ...]]] = []
+    queue: list[tuple[int, float, int, float, Pose, tuple[Move, ...]]] = []
     for before, pose in beginnings:
         heapq.heappush(queue, (0, 0.0, next(number), before, pose, ()))
     seen: set[tuple[int, ...]] = set()
@@ -302,27 +285,24 @@ def _searched(task: _Task, beginnings: list[tuple[float, _Pose]], most: int) -> 
         seen.add(place)
         last = _last_move(task, pose, lock) if gear > 0 else None
         if last is not None:
-            return _turn(before, (*moves, last[0]), way + last[1], task.front_along(last[2]))
+            duration = (way + last[1]) / MOVE_SPEED + MOVE_CHANGE_S * (len(moves) + 1)
+            return MultiPointTurn(before, (*moves, last[0]), duration, task.front_along(last[2]))
         arc = task.arc(pose, gear, gear * lock)
         end = min(len(arc), task.turned(arc) - 1)
         for k in {int(share * end) for share in SHARES}:
             if k >= 2:
-                after = _Pose(*arc[k - 1].tolist())
+                after = Pose(*arc[k - 1].tolist())
                 move = task.move(gear, gear * lock, after.heading)
-                heapq.heappush(queue, (count + 1, way + k * STEP_M, next(number), before, after, (*moves, move)))
+                heapq.heappush(queue, (count + 1, way + k * ARC_STEP_M, next(number), before, after, (*moves, move)))
     return None
 
 
-def _last_move(task: _Task, pose: _Pose, lock: float) -> tuple[Move, float, _Pose] | None:
+def _last_move(task: _Task, pose: Pose, lock: float) -> tuple[Move, float, Pose] | None:
     """Return the move that ends in the lane, its way, m, and where it ends; None: there is none from `pose`."""
     for share in LOCKS:
         arc = task.arc(pose, 1, share * lock)
         k = task.turned(arc)
-        end = _Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
+        end = Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
         if end is not None and task.ends_in_lane(end):
-            return task.move(1, share * lock, task.until, is_last=True), k * STEP_M, end
+            return task.move(1, share * lock, task.until, is_last=True), k * ARC_STEP_M, end
     return None
-
-
-def _turn(before: float, moves: tuple[Move, ...], way: float, into: float) -> Turn:
-    return Turn(before, moves, way / MOVE_SPEED + MOVE_CHANGE_S * len(moves), into)

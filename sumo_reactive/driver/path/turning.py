@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
-from sumo_reactive.driver.geometry.polyline import Points
+from sumo_reactive.driver.geometry.polyline import Floats, Points, curvature_of
+from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.parameters import CURVE_STEP_M, MAX_STEERING_PER_M, STEERING_MARGIN, TURN_REACH
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-
-Floats = NDArray[np.float64]
 
 ITERATIONS = 30
 MOST_STEPS = 90
@@ -48,36 +46,36 @@ SETTLED = 2e-3
 
 
 @dataclass(frozen=True)
-class Body:
+class Steered:
     """What of a car matters for a turn: wheelbase and front overhang (m), largest steering angle (rad) that C may ask for,
-    on which side oncoming traffic is (`oncoming`: 1 left, −1 right), and how far from the middle of its lane its front
-    begins to leave the road (`leaving`, m)."""
+    on which side oncoming traffic is (`oncoming`: 1 left, −1 right), how far from the middle of its lane its front begins
+    to leave the road (`leaving`, m), and how far it may be on the side of oncoming traffic (`swing`, m)."""
 
     wheelbase: float
     overhang: float
     most: float
     oncoming: int
     leaving: float
+    swing: float = SWING_M
 
 
 def turnable(
-    points: Points, line: Points, bend: Floats, limits: VehicleLimits, steering_angle: float = 0.0, left_hand: bool = False,
-    kept: Sequence[slice] = (),
-) -> tuple[Points, Floats]:  # fmt: skip
+    points: Points, line: Points, limits: VehicleLimits, steering_angle: float, left_hand: bool, kept: Sequence[slice] = ()
+) -> tuple[Points, Floats]:
     """Return `points` (n, 2) with turns that ask for more than the car's largest steering angle refitted near `line` (n, 2).
 
-    `bend` is the curvature (n,) of `points`, `steering_angle` (rad) the car's at the first; turns that touch what is `kept`
-    stay as they are. The second result (n,) is the index on `line` of each point, not whole where a turn was refitted.
+    `steering_angle` (rad) is the car's at the first; turns that touch what is `kept` stay as they are. The second result
+    (n,) is the index on `line` of each point, not whole where a turn was refitted.
     """
     index = np.arange(len(points), dtype=np.float64)
     result, most = points.copy(), STEERING_MARGIN * limits.max_steering_angle
-    if not (np.abs(bend) > math.sin(most) / limits.wheelbase).any():  # then no angle grows beyond
+    if not (np.abs(curvature_of(points)) > math.sin(most) / limits.wheelbase).any():  # then no angle grows beyond
         return result, index
     ways = np.diff(points, axis=0)
     headings, steps = np.unwrap(np.arctan2(ways[:, 1], ways[:, 0])), np.hypot(*ways.T)
     angles = steering_along(headings, steps, limits.wheelbase, steering_angle)
     leaving = min(LEAVING_M + 0.5 * limits.width, MOST_LEAVING_M)
-    body = Body(limits.wheelbase, limits.front_overhang, most, -1 if left_hand else 1, leaving)
+    body = Steered(limits.wheelbase, limits.front_overhang, most, -1 if left_hand else 1, leaving)
     reach = int(TURN_REACH / limits.max_curvature / CURVE_STEP_M)
     wide = maximum_filter1d(np.append(np.abs(angles), 0.0) > most, 2 * reach + 1).astype(np.int8)
     edges = np.flatnonzero(np.diff(np.concatenate(([0], wide, [0]))))
@@ -90,21 +88,7 @@ def turnable(
     return result, np.maximum.accumulate(index)
 
 
-def steering_along(headings: Floats, steps: Floats, wheelbase: float, angle: float) -> Floats:
-    """Return the steering angle (n,), rad, with which the front axle takes `steps` (n,), m, along `headings` (n,).
-
-    The body is drawn along: on a straight step tan(φ/2) falls by exp(−step/L). `angle` (rad) is φ on the first step.
-    """
-    found, before = np.empty(len(headings)), float(headings[0])
-    shrink = np.exp(-steps / wheelbase).tolist()
-    for k, heading in enumerate(headings.tolist()):
-        if k:
-            angle = 2.0 * math.atan(shrink[k - 1] * math.tan(0.5 * angle)) + heading - before
-        found[k], before = angle, heading
-    return found
-
-
-def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:
+def _refitted(points: Points, line: Points, body: Steered, angle: float) -> Points:
     """Return the turn `points` (m, 2) steered by at most what `body` allows where its ends, held fixed, leave room.
 
     Gauss–Newton on the headings of its steps and one common step length; `angle` (rad) is the steering angle at first.
@@ -118,13 +102,14 @@ def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:
     headings, step = _stepped(points)
     first, last = headings[0], headings[-1]
     leads_back = abs(last - first) > U_TURN_RAD
-    keeps, swing = not leads_back or _has_room(points, float(first), body), body.leaving if leads_back else SWING_M
+    body = replace(body, swing=body.leaving if leads_back else SWING_M)
+    keeps = not leads_back or _has_room(points, float(first), body)
     for _ in range(ITERATIONS):
         places = _walked(points[0], headings, step)
         angles, rows = _steering(headings, step, body.wheelbase, angle)
         parts = (
             _deviation(places, line, headings, step),
-            *((_swing(places, line, headings, step, angles, rows, body, swing),) if keeps else ()),
+            *((_swing(places, line, headings, step, (angles, rows), body),) if keeps else ()),
             _excess(angles, rows, step, body.most),
             _bend_rate(headings, step),
             _joint(places[-1] - points[-1], headings, step, first, last),
@@ -143,7 +128,7 @@ def _refitted(points: Points, line: Points, body: Body, angle: float) -> Points:
     return np.asarray(places + miss * np.linspace(0.0, 1.0, len(places))[:, None])
 
 
-def _has_room(points: Points, heading: float, body: Body) -> bool:
+def _has_room(points: Points, heading: float, body: Steered) -> bool:
     """Whether the turn `points` (m, 2), which leads back from `heading`, is wide enough to be swept on the road."""
     ways = points - points[0]
     extent = float(np.abs(ways[:, 1] * math.cos(heading) - ways[:, 0] * math.sin(heading)).max())
@@ -186,15 +171,15 @@ def _deviation(places: Points, line: Points, headings: Floats, step: float) -> t
 
 
 def _swing(
-    places: Points, line: Points, headings: Floats, step: float, angles: Floats, rows: Floats, body: Body,
-    swing: float,
-) -> tuple[Floats, Floats]:  # fmt: skip
-    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out beyond `swing` m to oncoming traffic, and
+    places: Points, line: Points, headings: Floats, step: float, steering: tuple[Floats, Floats], body: Steered
+) -> tuple[Floats, Floats]:
+    """Return residual (m − 1,) and Jacobian of how far the front bumper swings out more than it may to oncoming traffic, and
     off the road to the other side.
 
-    `angles` (m − 1,), rad, with Jacobian `rows` are the steering angles: the bumper is ahead of the front axle by the
-    overhang along the body, which is turned from the way of the axle by them.
+    `steering`: the angles (m − 1,), rad, with their Jacobian. The bumper is ahead of the front axle by the overhang along
+    the body, which is turned from the way of the axle by them.
     """
+    angles, rows = steering
     along = headings - angles
     ways = body.overhang * np.column_stack([np.cos(along), np.sin(along)])
     aside, normal = _aside(places + np.vstack([ways[:1], ways]), line)
@@ -203,7 +188,7 @@ def _swing(
     moved += np.einsum("ik,kij->ij", normal, _place_jacobian(headings, step, places))
     is_oncoming = aside * body.oncoming > 0.0
     weight = np.where(is_oncoming, SWING_WEIGHT, LEAVING_WEIGHT) * math.sqrt(step)
-    return _beyond(aside, moved, np.where(is_oncoming, swing, body.leaving), weight)
+    return _beyond(aside, moved, np.where(is_oncoming, body.swing, body.leaving), weight)
 
 
 def _aside(places: Points, line: Points) -> tuple[Floats, Points]:

@@ -13,10 +13,10 @@ from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
-from sumo_reactive.driver.nouns.decision import StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.forecast import Forecast
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
-from sumo_reactive.driver.nouns.snapshot import PathObstacle, Snapshot
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Foe, PathObstacle, Snapshot
 from sumo_reactive.driver.parameters import (
     ASSESSED_S,
     ASSESSMENT_STEP_S,
@@ -25,10 +25,12 @@ from sumo_reactive.driver.parameters import (
     PATH_STEP_M,
     STANDING_SPEED,
 )
+from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, is_enough
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
 
 Array = NDArray[np.float64]
+
 
 class Way(NamedTuple):
     """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s."""
@@ -108,7 +110,7 @@ def first_contact(
 def simulate(
     snapshot: Snapshot,
     way: Way,
-    stop: StopAt | None,
+    stop: TimeConstraint | None,
     leaders: Array,
     limits: VehicleLimits,
     duration: float,
@@ -143,7 +145,7 @@ def assess(
     snapshot: Snapshot,
     forecast: Forecast,
     plan: NominalPlan,
-    stop: StopAt | None,
+    stop: TimeConstraint | None,
     target: TimeConstraint | None,
     limits: VehicleLimits,
     trusted: Collection[str],
@@ -165,6 +167,20 @@ def assess(
         meets = Encounter(forecast.user_ids[k], snapshot.time + n * ASSESSMENT_STEP_S, s + limits.front_overhang, x, y)
         return Assessment(Outcome.FAILURE, late, place, meets)
     return Assessment(Outcome.DEGRADED if late > EXCESSIVE_DELAY_S else Outcome.FINE, late, place)
+
+
+def would_meet(own: Passing, foe: Foe, other: Threat, patience: float, *, may_follow: bool) -> bool:
+    """Whether an ego that goes on and a foe that does would be in a region at the same time, but for too small a gap: a
+    FAILURE of the plan there, and the reason to ask who gives way. `patience` (0..1] scales the gaps."""
+    return has(Mechanism.FAILURE) and not is_enough(own, foe, other, patience, may_follow=may_follow)
+
+
+def failing_at(assessment: Assessment, met: Encounter | None) -> Assessment:
+    """Return the assessment with whom the ego would meet in a region, unless it meets somebody earlier."""
+    known = assessment.encounter
+    if met is None or (known is not None and known.time <= met.time):
+        return assessment
+    return assessment._replace(outcome=Outcome.FAILURE, encounter=met)
 
 
 def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Array:

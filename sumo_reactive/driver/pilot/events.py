@@ -6,14 +6,13 @@ import math
 from collections.abc import Mapping
 
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
-from sumo_reactive.driver.nouns.decision import Instruction, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
     BEHAVIOUR_TOLERANCE,
-    CAUTIOUS_AHEAD_M,
-    CAUTIOUS_AHEAD_S,
     DELAY_STEP_S,
     ENTERING_M,
     NO_PROGRESS_S,
@@ -23,10 +22,12 @@ from sumo_reactive.driver.parameters import (
     TRUST_AHEAD_S,
     TRUST_S,
 )
-from sumo_reactive.driver.pilot.highway_code import Rules
-from sumo_reactive.driver.pilot.lane_changing import seeks
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
-from sumo_reactive.driver.pilot.passages import Ahead
+from sumo_reactive.driver.pilot.passages import Ahead, View, reach_of
+from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules
+from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
+from sumo_reactive.driver.pilot.transitions import RULES
 
 FAR, NEAR, ENTERING, INSIDE = range(4)
 """How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""
@@ -48,7 +49,7 @@ def detect(
         new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
         return (Event(EventKind.NEW_PLAN), *new_route)
     found = _others(snapshot, held, premises)
-    found += _own(snapshot, plan, ahead, premises)
+    found += _own(snapshot, plan, ahead, memory, premises)
     found += _times(snapshot, held, memory, premises)
     if no_command:
         found.append(Event(EventKind.NO_COMMAND))
@@ -62,25 +63,27 @@ def only_foes(events: tuple[Event, ...], snapshot: Snapshot) -> bool:
 
 
 def premises_of(
-    snapshot: Snapshot, made: CompletedPlan, ahead: Ahead, rules: Rules, *, is_watchful: bool, is_settled: bool
+    view: View, made: CompletedPlan, memory: PilotMemory, rules: Rules, *, is_watchful: bool, is_settled: bool
 ) -> Premises:
     """Return what the decision `made` now rests on; `rules`: what the highway code asked for.
 
     `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
     """
-    plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
+    snapshot, ahead = view.snapshot, view.ahead
+    plan, stop, regions = made.plan, made.stop, frozenset(foe.conflict.region.id for foe in snapshot.foes)
     stages = _stages(snapshot, plan, ahead, regions)
     is_seeking = seeks(snapshot, plan)
     near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
     trust = TRUST_S if near else TRUST_AHEAD_S
-    watches = snapshot.foes or is_watchful or is_seeking
+    asks = Rule.REGION in RULES[made.behaviour].asks
+    watches = (snapshot.foes and asks) or is_watchful or is_seeking
     return Premises(
         plan=plan,
         time=snapshot.time,
         lights=snapshot.lights,
-        speeds=_speeds(snapshot),
+        speeds=_speeds(snapshot, asks),
         heeded=rules.judged.union(obstacle.user.id for obstacle in snapshot.on_path),
-        is_threatened=made.stop is not None and _is_threat(made.stop, snapshot),
+        is_threatened=stop is not None and _is_threat(stop, snapshot),
         regions=regions,
         stages=stages,
         is_standing=snapshot.ego.speed < STANDING_SPEED,
@@ -88,6 +91,8 @@ def premises_of(
         is_seeking=is_seeking,
         is_watchful=is_watchful,
         is_settled=is_settled,
+        asks=asks,
+        stop_is_near=is_next(snapshot, plan, ahead, memory),
         asked=rules.gist,
         trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
@@ -102,7 +107,7 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list
             found.append(Event(EventKind.LIGHT_CHANGE, light))
     if premises.is_settled:
         return found
-    speeds, trusted = _speeds(snapshot), premises.speeds
+    speeds, trusted = _speeds(snapshot, premises.asks), premises.speeds
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
         if speed == foreseen:
@@ -113,28 +118,33 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list
             continue  # who did not matter does not when he slows down
         elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
-    if held.stop is not None and _is_gone(held.stop, snapshot, premises, speeds):
-        found.append(Event(EventKind.CAUSE_VANISHED, held.stop.cause))
+    stop = held.stop
+    if stop is not None and _is_gone(stop, snapshot, premises, speeds):
+        found.append(Event(EventKind.CAUSE_VANISHED, stop.cause))
     return found
 
 
-def _is_gone(stop: StopAt, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
+def _is_gone(stop: TimeConstraint, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
     """Whether the road user that the ego stops for is out of the way."""
     if stop.cause not in premises.speeds:
         return False
     return stop.cause not in speeds or (premises.is_threatened and not _is_threat(stop, snapshot))
 
 
-def _is_threat(stop: StopAt, snapshot: Snapshot) -> bool:
+def _is_threat(stop: TimeConstraint, snapshot: Snapshot) -> bool:
     """Whether the road user that the ego stops for can reach the region that it stops before."""
     return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
 
 
-def _own(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, premises: Premises) -> list[Event]:
+def _own(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory, premises: Premises
+) -> list[Event]:
     """Return what the ego itself has come to."""
     found: list[Event] = []
     if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
         found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
+    if not premises.stop_is_near and plan.stops and is_next(snapshot, plan, ahead, memory):
+        found.append(Event(EventKind.STOP_AHEAD))
     if not premises.is_seeking and seeks(snapshot, plan):
         found.append(Event(EventKind.LANE_CHANGE))
     if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
@@ -167,8 +177,8 @@ def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[
     """Return what a delay has changed: the next time constraint, and whether it has become excessive."""
     found: list[Event] = []
     front = snapshot.front
-    for target in held.time_constraints:
-        if target.s > front:
+    for target in held.constraints:
+        if target.reason is Reason.ON_SCHEDULE and target.s > front:
             if snapshot.time > target.time + TIME_TOLERANCE_S:
                 found.append(Event(EventKind.CONSTRAINT_MISSED))
             break
@@ -177,10 +187,10 @@ def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[
     return found
 
 
-def _speeds(snapshot: Snapshot) -> dict[str, float]:
+def _speeds(snapshot: Snapshot, asks: bool) -> dict[str, float]:
     speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
-    for foe in snapshot.foes:
-        speeds[foe.user.id] = foe.user.speed
+    if asks:
+        speeds.update((foe.user.id, foe.user.speed) for foe in snapshot.foes)
     return speeds
 
 
@@ -188,12 +198,10 @@ def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
     return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > OFF_NOMINAL_SPEED
 
 
-def _stages(
-    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]
-) -> tuple[tuple[int, ...], ...]:
+def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]) -> tuple[tuple[int, ...], ...]:
     """Return for each passage in sight the ego's stage, its index and how many of `regions` the front bumper has reached."""
     front = snapshot.front
-    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * snapshot.ego.speed
+    reach = reach_of(snapshot.ego.speed)
     found = []
     for i, connection, conflicts in ahead:
         if not conflicts and connection.light is None:

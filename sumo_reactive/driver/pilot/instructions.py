@@ -9,12 +9,13 @@ from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, W
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.parameters import PASSING_HEADWAY
 
-_USUAL = Weights(valley=10.0, shadow=0.3, velocity=1.0)
-_WEAKENED = Weights(valley=4.0, shadow=1.0, velocity=1.0)
+_USUAL = Weights(valley=10.0, shadow=100.0, velocity=1.0)
+_WEAKENED = Weights(valley=4.0, shadow=150.0, velocity=1.0)
 _CALM = VelocityProfile()
 
 TUNINGS: dict[Instruction, Tuning] = {
-    # 0.1 m beside C weighs as much as 1 m/s of speed: C is kept through every bend, U₂ only breaks ties
+    # 0.1 m beside C weighs as much as 1 m/s of speed: C is kept through every bend. U₂ knows no speed, only where in its
+    # lane the ego drives: there it leans away from a body which it would pass within a second nearer than 1.1 m
     Instruction.FOLLOW_CURVE: Tuning(_USUAL, _CALM),
     Instruction.APPROACH: Tuning(_USUAL, _CALM),
     Instruction.STOP: Tuning(_USUAL, _CALM),

@@ -29,7 +29,7 @@ from sumo_reactive.driver.pilot.assessment import Way, first_contact, followed, 
 from sumo_reactive.driver.pilot.passed import FIND_REACH_M, Passed, lateral_for, legal_end, passed
 from sumo_reactive.driver.pilot.situation import Proof, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.vehicle.side_step import side_step_length
+from sumo_reactive.driver.vehicle.travel_time import side_step_length
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Hashable, Mapping
 from typing import NamedTuple
 
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.world.route import ScheduledStop
 
 
@@ -19,7 +20,8 @@ class Premises(NamedTuple):
     `regions`: ids of those that somebody could reach. `stages`: how far the ego had come in each passage in sight, and how
     many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_watchful`: it rests on
     the others' motion from moment to moment. `is_settled`: it rests on none of the others, for a light or a time decides.
-    `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast of the others holds.
+    `asks`: it rests on those who can reach a region, for the behaviour asks who goes first. `stop_is_near`: a stop of the
+    route is in reach. `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast of others holds.
     """
 
     plan: NominalPlan
@@ -35,6 +37,8 @@ class Premises(NamedTuple):
     is_seeking: bool
     is_watchful: bool
     is_settled: bool
+    asks: bool
+    stop_is_near: bool
     asked: Hashable
     trusted_until: float
 
@@ -51,7 +55,7 @@ class PilotMemory(NamedTuple):
     """Since when the ego stands (s; None: it moves), at which connection's line it has come to a full stop and when (s),
     which scheduled stops it has served, and until when it serves the present one (s; None: it serves none).
 
-    `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `constraints` the adjusted
+    `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `schedule` the adjusted
     (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
     place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
     to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
@@ -68,7 +72,7 @@ class PilotMemory(NamedTuple):
     behaviour: Behaviour = Behaviour.NORMAL
     premises: Premises | None = None
     overtaking: Overtaking | None = None
-    constraints: tuple[TimeConstraint, ...] = ()
+    schedule: tuple[TimeConstraint, ...] = ()
     delay: float = 0.0
     progress_s: float = -math.inf
     progress_time: float = 0.0

@@ -9,7 +9,15 @@ from typing import NamedTuple
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
-from sumo_reactive.driver.parameters import PLANS_KEPT, REGION_MARGIN_M, WAIT_SHIFT_M
+from sumo_reactive.driver.parameters import (
+    CAUTIOUS_AHEAD_M,
+    CAUTIOUS_AHEAD_S,
+    COMFORT_DECELERATION,
+    PLANS_KEPT,
+    REGION_MARGIN_M,
+    WAIT_SHIFT_M,
+)
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
 
 Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
@@ -42,6 +50,31 @@ class Crossing(NamedTuple):
         """Arc length on C of a place on the connection's path, m; C is as long as the lanes before and behind it."""
         inside = min(max(path_length, 0.0), self.connection.path.length)
         return self.passage.start + inside * self.scale + path_length - inside
+
+
+def reach_of(speed: float) -> float:
+    """How far ahead (m) an ego at `speed` (m/s) drives cautiously: the times of the approach, and its way to stop."""
+    return CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * speed + speed * speed / (2.0 * COMFORT_DECELERATION)
+
+
+class View(NamedTuple):
+    """The ego on its plan, and what W holds ahead of it: the passages in sight, each with its conflicts and as `ways`."""
+
+    snapshot: Snapshot
+    plan: NominalPlan
+    limits: VehicleLimits
+    ahead: Ahead
+    ways: tuple[Crossing, ...]
+
+    @property
+    def met(self) -> tuple[tuple[Crossing, tuple[Conflict, ...]], ...]:
+        """The passages with their conflicts, the nearest first."""
+        return tuple((way, conflicts) for way, (_, _, conflicts) in zip(self.ways, self.ahead, strict=True))
+
+
+def view_of(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, ahead: Ahead) -> View:
+    """Return what the pilot looks at."""
+    return View(snapshot, plan, limits, ahead, tuple(crossings(snapshot, plan, ahead)))
 
 
 def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[Crossing]:

@@ -9,39 +9,34 @@ from typing import NamedTuple
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.assessment import Assessment
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import (
-    CAUTIOUS_AHEAD_M,
     FOE_PATIENCE_S,
     LEAST_PATIENCE_S,
     OVERTAKING_SIGHT_M,
     PROGRESS_M,
     STANDING_SPEED,
 )
-from sumo_reactive.driver.pilot.assessment import assess
+from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
-from sumo_reactive.driver.pilot.escape import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap
+from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
+from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
+from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
+from sumo_reactive.driver.pilot.behaviours.turning_round import is_near as turn_is_near
 from sumo_reactive.driver.pilot.events import premises_of
-from sumo_reactive.driver.pilot.held_up import leave_queue, released
-from sumo_reactive.driver.pilot.highway_code import Rules, ask, decision_of, nearest
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging, seek_gap
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.missed_turn import is_missed, waiting_since
-from sumo_reactive.driver.pilot.passages import Ahead, crossings
+from sumo_reactive.driver.pilot.passages import View
+from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest, unconditional_stop
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
-from sumo_reactive.driver.pilot.situation import Situation, next_on_way
+from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
-from sumo_reactive.driver.pilot.turning_round import Turning, place_to_begin, turn_round
-from sumo_reactive.driver.vehicle.limits import VehicleLimits
-
-_UNCONDITIONAL = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.STOP_SIGN, Reason.SCHEDULED_STOP)
-"""Stops that no assessment can put off."""
-
 
 _SETTLED = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT, Reason.SCHEDULED_STOP)
 """An ego that stands for one of these need not watch the others."""
@@ -55,11 +50,11 @@ class Style(NamedTuple):
 
 
 class Orders(NamedTuple):
-    """What the pilot orders: instruction, stop, what it asks of the planner, why; the memory of it; a speed not to exceed
-    (m/s)."""
+    """What the pilot orders: instruction, every place to stop at, what it asks of the planner, why; the memory of it; a
+    speed not to exceed (m/s)."""
 
     instruction: Instruction
-    stop: StopAt | None
+    stops: tuple[TimeConstraint, ...]
     request: Request
     decisions: tuple[Decision, ...]
     memory: PilotMemory
@@ -79,51 +74,52 @@ def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
 
 
 def decide(
-    snapshot: Snapshot,
-    plan: NominalPlan,
-    ahead: Ahead,
+    view: View,
     outlook: Outlook,
     events: tuple[Event, ...],
     memory: PilotMemory,
-    limits: VehicleLimits,
     style: Style,
 ) -> tuple[CompletedPlan, PilotMemory]:
     """Complete the plan because of `events`.
 
-    1. Ask the highway code. 2. Assess: how does the plan end if the ego goes on? 3. Choose the behaviour. 4. Carry out an
-    overtaking or an escape. 5. Adjust the time constraints. 6. Note what the decision rests on.
+    1. Assess: how does it end if everybody goes on? 2. Choose the behaviour. 3. Ask the rules that it names. 4. Carry it
+    out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
-    ways = tuple(crossings(snapshot, plan, ahead))
-    memory = memory._replace(released=released(snapshot, ways, memory))
-    changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
-    if changing == LaneChanging():
-        changing = leave_queue(snapshot, plan, outlook, ways, memory, limits)
-    asked, memory = ask(snapshot, plan, ways, ahead, changing, memory, limits)
-    rules = asked
-    assessment = _assess(snapshot, plan, outlook, rules, limits)
+    snapshot, plan, limits = view.snapshot, view.plan, view.limits
+    memory = memory._replace(released=released(snapshot, view.ways, memory))
+    assessment = _assess(view, outlook, memory)
+    changing = _changing(view, outlook, memory)
+    x = next_on_way(snapshot)
     situation = Situation(
-        snapshot, plan, limits, memory, events, ahead, ways, next_on_way(snapshot), nearest(rules.stops), assessment, outlook
+        snapshot, plan, limits, memory, events, view.ahead, view.ways, x, None, assessment, outlook, None, changing
     )
+    situation = situation._replace(proof=overtaking.try_out(situation))
+    behaviour = next_behaviour(situation)
+    asks = RULES[behaviour].asks
+    changing = changing if Rule.LANE_GAP in asks else LaneChanging()
+    asked, memory = ask(view, asks, changing.stop, memory)
+    situation = situation._replace(assessment=failing_at(assessment, asked.met))
+    situation = situation._replace(memory=memory, stop=nearest(asked.stops), changing=changing)
     is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
     comes_over = outlook.comes_over
     turning = turn_round(snapshot, plan, situation.stop, memory, comes_over=comes_over, is_stuck=is_stuck)
-    situation, rules = _with_turn(*_with_room(situation, rules))
+    situation, rules = _with_turn(*_with_room(situation, asked))
     memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
-    situation = situation._replace(memory=memory, proof=overtaking.try_out(situation))
-    behaviour = next_behaviour(situation)
-    orders = _ordered(situation, behaviour, rules, changing)
+    situation = situation._replace(memory=memory)
+    orders = _ordered(situation, behaviour, rules)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
     if turning is not None:
         orders = _turning(orders, turning, snapshot)
-    constraints, asks, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
+    constraints, asks_for, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
-        orders = orders._replace(request=Request(asks))
-    completed = _completed(situation, behaviour, orders, constraints, rules, changing.slot, style)
+        orders = orders._replace(request=Request(asks_for))
+    constraints += _limits_of(orders, changing, snapshot) + asked.arrivals
+    completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
-    premises = premises_of(snapshot, completed, ahead, asked, is_watchful=watchful, is_settled=settled)
+    premises = premises_of(view, completed, memory, asked, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 
@@ -135,27 +131,33 @@ def may_confirm(snapshot: Snapshot, memory: PilotMemory) -> bool:
     return snapshot.ego.speed >= STANDING_SPEED
 
 
-def confirm(
-    snapshot: Snapshot, ahead: Ahead, held: CompletedPlan, memory: PilotMemory, limits: VehicleLimits
-) -> PilotMemory | None:
+def confirm(view: View, held: CompletedPlan, memory: PilotMemory) -> PilotMemory | None:
     """Return the memory with the others foreseen anew if the highway code asks an ego that `may_confirm` for the same as
     before: then the plan `held` stays in force. None: the pilot must decide.
     """
-    ways = tuple(crossings(snapshot, held.plan, ahead))
-    rules, after = ask(snapshot, held.plan, ways, ahead, LaneChanging(), memory, limits)
+    rules, after = ask(view, RULES[memory.behaviour].asks, None, memory)
     if memory.premises is None or after != memory or rules.gist != memory.premises.asked:
         return None
-    return memory._replace(premises=premises_of(snapshot, held, ahead, rules, is_watchful=False, is_settled=False))
+    premises = premises_of(view, held, memory, rules, is_watchful=False, is_settled=False)
+    return memory._replace(premises=premises)
 
 
-def _assess(
-    snapshot: Snapshot, plan: NominalPlan, outlook: Outlook, rules: Rules, limits: VehicleLimits
-) -> Assessment:
-    """Simulate going on, up to the stops that nothing can put off; who yields by the rules and still can is trusted."""
-    stop = nearest(tuple(one for one in rules.stops if one[0].reason in _UNCONDITIONAL))
+def _changing(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
+    """Return what the lane beside asks for: the one that the route needs, else one whose queue is over sooner."""
+    snapshot, plan, limits = view.snapshot, view.plan, view.limits
+    changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
+    if changing == LaneChanging():
+        changing = leave_queue(snapshot, plan, outlook, view.ways, memory, limits)
+    return changing
+
+
+def _assess(view: View, outlook: Outlook, memory: PilotMemory) -> Assessment:
+    """Simulate going on, up to the stops that nothing can put off; who has to yield and still can is trusted."""
+    snapshot, plan = view.snapshot, view.plan
+    stop = unconditional_stop(view, memory)
     trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
     target = next((c for c in plan.time_constraints if c.s > snapshot.front), None)
-    return assess(snapshot, outlook.forecast, plan, stop, target, limits, trusted)
+    return assess(snapshot, outlook.forecast, plan, stop, target, view.limits, trusted)
 
 
 def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
@@ -170,11 +172,9 @@ def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
 def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     """Return both with the stop before a turn in several moves."""
     stop = place_to_begin(situation.snapshot, situation.plan, situation.memory, situation.outlook.comes_over)
-    if stop is None or (situation.stop is not None and situation.stop.s < stop.s):
+    if stop is None or not turn_is_near(situation) or (situation.stop is not None and situation.stop.s < stop.s):
         return situation, rules
-    if stop.s - situation.snapshot.front < CAUTIOUS_AHEAD_M:  # worth a word
-        rules = rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))
-    return situation._replace(stop=stop), rules
+    return situation._replace(stop=stop), rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))
 
 
 def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
@@ -183,34 +183,31 @@ def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
     since = snapshot.time if begins_or_moves else orders.memory.progress_time
     return orders._replace(
         instruction=Instruction.TURN_ROUND,
-        stop=None,
+        stops=(),
         request=turning.request,
         decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),
         memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=since),
     )
 
 
-def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules, changing: LaneChanging) -> Orders:
+def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules) -> Orders:
     """Return the orders that follow from the behaviour alone."""
+    why = situation.changing.why
     return Orders(
         instruction=RULES[behaviour].instruction(situation),
-        stop=situation.stop,
-        request=_request(situation, changing),
-        decisions=(*(decision for _, decision in rules.stops), *rules.passes, *_behind(situation), *_why(changing)),
+        stops=tuple(stop for stop, _ in rules.stops),
+        request=_request(situation, behaviour),
+        decisions=(*(one for _, one in rules.stops), *rules.passes, *_behind(situation), *(() if why is None else (why,))),
         memory=situation.memory._replace(overtaking=None),
     )
 
 
-def _why(changing: LaneChanging) -> tuple[Decision, ...]:
-    return () if changing.why is None else (changing.why,)
-
-
-def _request(situation: Situation, changing: LaneChanging) -> Request:
+def _request(situation: Situation, behaviour: Behaviour) -> Request:
     """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
+    changing = situation.changing
     if changing.side or changing.calls_off:
         return Request(Replanning.CURVE, changing.side)
-    missed = is_missed(situation.snapshot, situation.stop, situation.memory)
-    return Request(Replanning.ROUTE) if missed else Request()
+    return Request(Replanning.ROUTE) if behaviour is Behaviour.TAKING_ANOTHER_WAY else Request()
 
 
 def _behind(situation: Situation) -> tuple[Decision, ...]:
@@ -233,10 +230,9 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
         return orders
     reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_id
     decision = Decision(Behaviour.OVERTAKING, reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
-    stop = orders.stop
     return orders._replace(
         instruction=step.overtaking.instruction,
-        stop=None if stop is not None and stop.reason is Reason.BLOCKED else stop,
+        stops=tuple(stop for stop in orders.stops if stop.reason is not Reason.BLOCKED),
         request=Request(Replanning.CURVE, aside=step.aside) if step.replans else orders.request,
         decisions=(*(d for d in orders.decisions if d.reason is not Reason.BLOCKED), decision),
         memory=situation.memory._replace(overtaking=step.overtaking),
@@ -254,7 +250,7 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
         memory = memory._replace(escapes=memory.escapes + 1)
     return orders._replace(
         instruction=way.instruction or orders.instruction,
-        stop=way.stop or orders.stop,
+        stops=orders.stops if way.stop is None else (way.stop,),
         request=orders.request if orders.request.what is not Replanning.NOTHING else Request(way.replanning),
         decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
         memory=memory,
@@ -267,19 +263,16 @@ def _completed(
     orders: Orders,
     constraints: tuple[TimeConstraint, ...],
     rules: Rules,
-    slot: str,
     style: Style,
 ) -> CompletedPlan:
     return CompletedPlan(
         plan=situation.plan,
         behaviour=behaviour,
         instruction=orders.instruction,
-        tuning=_tuning(orders.instruction, style, orders.top_speed),
-        time_constraints=constraints,
-        stop=orders.stop,
-        intent=_intent(orders.stop, situation),
+        tuning=_tuning(orders.instruction, style),
+        constraints=constraints,
+        intent=_intent(min(orders.stops, key=lambda stop: stop.s, default=None), situation),
         decisions=orders.decisions,
-        slot=slot,
         request=orders.request,
         sight=_sight(situation, behaviour),
         assessment=situation.assessment,
@@ -288,12 +281,19 @@ def _completed(
     )
 
 
-def _tuning(instruction: Instruction, style: Style, top_speed: float) -> Tuning:
+def _limits_of(orders: Orders, changing: LaneChanging, snapshot: Snapshot) -> tuple[TimeConstraint, ...]:
+    """Return what limits the ego beside the schedule: where to stop, whom to fall in behind, how slow to fall back."""
+    found = list(orders.stops)
+    if changing.slot:
+        found.append(TimeConstraint(snapshot.front, reason=Reason.NO_GAP, behind=changing.slot))
+    if orders.top_speed < math.inf:
+        found.append(TimeConstraint(snapshot.front, speed=orders.top_speed, reason=Reason.GAP_LOST))
+    return tuple(found)
+
+
+def _tuning(instruction: Instruction, style: Style) -> Tuning:
     tunings = PAPER_TUNINGS if style.paper else TUNINGS
-    if not has(Mechanism.TUNING):
-        return tunings[Instruction.FOLLOW_CURVE]
-    tuning = tunings[instruction]
-    return tuning if top_speed == math.inf else replace(tuning, profile=replace(tuning.profile, top_speed=top_speed))
+    return tunings[instruction if has(Mechanism.TUNING) else Instruction.FOLLOW_CURVE]
 
 
 def _sight(situation: Situation, behaviour: Behaviour) -> float:
@@ -302,7 +302,7 @@ def _sight(situation: Situation, behaviour: Behaviour) -> float:
     return OVERTAKING_SIGHT_M if wants else 0.0
 
 
-def _intent(stop: StopAt | None, situation: Situation) -> Intent:
+def _intent(stop: TimeConstraint | None, situation: Situation) -> Intent:
     if stop is None:
         return Intent.DRIVE
     if stop.reason is Reason.WAIT_FOR_TURN and not _lets_start(stop.cause, situation):

@@ -6,8 +6,9 @@ from enum import Enum
 
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.completed_plan import Replanning
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.nouns.plan import NominalPlan, TimeConstraint
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.pilot.memory import PilotMemory
 
@@ -27,7 +28,7 @@ def adjusted(
 ) -> tuple[tuple[TimeConstraint, ...], Replanning, PilotMemory]:
     """Return the (l, t_l) ahead, whether the planner is to be asked for new ones, and the delay that is now allowed for."""
     if memory.premises is None or memory.premises.plan is not plan:
-        memory = memory._replace(constraints=plan.time_constraints, delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
+        memory = memory._replace(schedule=plan.time_constraints, delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
     replanning = Replanning.NOTHING
     if any(event.kind in _LATE for event in events):
         memory = memory._replace(delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
@@ -35,8 +36,8 @@ def adjusted(
             pass
         elif delays is Delays.SHIFT:
             shifted = tuple(TimeConstraint(c.s, c.time + memory.delay) for c in plan.time_constraints)
-            memory = memory._replace(constraints=shifted)
+            memory = memory._replace(schedule=shifted)
         else:
             replanning = Replanning.TIMES
-    ahead = tuple(constraint for constraint in memory.constraints if constraint.s > snapshot.front)
+    ahead = tuple(constraint for constraint in memory.schedule if constraint.s > snapshot.front)
     return ahead, replanning, memory

@@ -6,13 +6,15 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.assessment import Assessment
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import PathObstacle, Snapshot
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Ahead, Crossing
+from sumo_reactive.driver.pilot.passages import Ahead, Crossing, View
+from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rule
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 
@@ -28,12 +30,27 @@ class Proof(NamedTuple):
     only_margin: bool = False
 
 
+class LaneChanging(NamedTuple):
+    """What to do about the next lane change.
+
+    Begin it now to `side` (0: not now), stop at the latest by `stop`, and meanwhile stay behind `slot`, the vehicle on
+    the other lane that the ego will follow. `why`: the reason for a change that the route does not need, or for calling off
+    one that has begun (`calls_off`).
+    """
+
+    side: int = 0
+    stop: TimeConstraint | None = None
+    slot: str = ""
+    why: Decision | None = None
+    calls_off: bool = False
+
+
 class Situation(NamedTuple):
     """The snapshot and what follows from it.
 
     `ways`: the passages in sight, in the order of `ahead`; `ahead_of_ego`: X, whom it would follow; `stop`: the nearest
     place to stop at; `assessment`: how the plan would end; `outlook`: the others' forecast and the room beside C; `proof`
-    that X can be passed, or why not (None: there is no reason to pass).
+    that X can be passed, or why not (None: there is no reason to pass); `changing`: what the lane beside asks for.
     """
 
     snapshot: Snapshot
@@ -44,10 +61,16 @@ class Situation(NamedTuple):
     ahead: Ahead
     ways: tuple[Crossing, ...]
     ahead_of_ego: PathObstacle | None
-    stop: StopAt | None
+    stop: TimeConstraint | None
     assessment: Assessment
     outlook: Outlook
     proof: Proof | None = None
+    changing: LaneChanging = LaneChanging()
+
+    @property
+    def view(self) -> View:
+        """The part of it that the highway code looks at."""
+        return View(self.snapshot, self.plan, self.limits, self.ahead, self.ways)
 
 
 def next_on_way(snapshot: Snapshot) -> PathObstacle | None:
@@ -60,13 +83,14 @@ Condition = Callable[[Situation], bool]
 
 
 class BehaviourRule(NamedTuple):
-    """A behaviour in the paper's form (F&L 1991, §2): it may begin when all preconditions hold, gives the instruction, and
-    ends when all postconditions hold."""
+    """A behaviour in the paper's form (F&L 1991, §2): it may begin when all preconditions hold, gives the instruction, asks
+    these rules of the highway code, and ends when all postconditions hold."""
 
     behaviour: Behaviour
     preconditions: tuple[Condition, ...]
     instruction: Callable[[Situation], Instruction]
     postconditions: tuple[Condition, ...]
+    asks: frozenset[Rule] = HIGHWAY_CODE
 
     def may_begin(self, situation: Situation) -> bool:
         """Whether every precondition holds."""

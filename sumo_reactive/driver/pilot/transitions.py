@@ -4,20 +4,45 @@ from __future__ import annotations
 
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.driver.pilot.behaviours import cautious, crossing, normal, overtaking, stopping
+from sumo_reactive.driver.pilot.behaviours import (
+    backing_up,
+    cautious,
+    changing_lanes,
+    changing_queues,
+    crossing,
+    normal,
+    overtaking,
+    stopping,
+    taking_another_way,
+    turning_round,
+)
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 RULES: dict[Behaviour, BehaviourRule] = {
-    rule.behaviour: rule for rule in (normal.RULE, cautious.RULE, overtaking.RULE, stopping.RULE, crossing.RULE)
-}
+    module.RULE.behaviour: module.RULE
+    for module in (
+        normal, cautious, overtaking, stopping, crossing, changing_lanes, changing_queues, turning_round, backing_up,
+        taking_another_way,
+    )
+}  # fmt: skip
+
+_URGENT = (Behaviour.TURNING_ROUND, Behaviour.BACKING_UP)
+_MANOEUVRES = (Behaviour.OVERTAKING, Behaviour.CHANGING_LANES, Behaviour.CHANGING_QUEUES)
 
 TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
-    Behaviour.NORMAL: (Behaviour.STOPPING, Behaviour.CROSSING, Behaviour.OVERTAKING, Behaviour.CAUTIOUS),
-    Behaviour.CAUTIOUS: (Behaviour.STOPPING, Behaviour.CROSSING, Behaviour.OVERTAKING),
-    Behaviour.STOPPING: (Behaviour.CROSSING, Behaviour.CAUTIOUS),
-    Behaviour.CROSSING: (Behaviour.STOPPING,),
+    Behaviour.NORMAL: (*_URGENT, Behaviour.STOPPING, Behaviour.CROSSING, *_MANOEUVRES, Behaviour.CAUTIOUS),
+    Behaviour.CAUTIOUS: (*_URGENT, Behaviour.STOPPING, Behaviour.CROSSING, *_MANOEUVRES),
+    Behaviour.STOPPING: (*_URGENT, Behaviour.CROSSING, Behaviour.CAUTIOUS),
+    Behaviour.CROSSING: (*_URGENT, Behaviour.STOPPING, Behaviour.TAKING_ANOTHER_WAY),
     Behaviour.OVERTAKING: (),
-}
+    Behaviour.CHANGING_LANES: (
+        *_URGENT, Behaviour.TAKING_ANOTHER_WAY, Behaviour.STOPPING, Behaviour.CROSSING, Behaviour.OVERTAKING,
+    ),
+    Behaviour.CHANGING_QUEUES: (*_URGENT, Behaviour.CROSSING, Behaviour.OVERTAKING, Behaviour.CHANGING_LANES),
+    Behaviour.TURNING_ROUND: (),
+    Behaviour.BACKING_UP: (Behaviour.OVERTAKING,),
+    Behaviour.TAKING_ANOTHER_WAY: (Behaviour.CROSSING,),
+}  # fmt: skip
 """From each behaviour to those that may follow at once, the most pressing first; whichever has ended gives way to normal."""
 
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 from sumo_reactive.driver.parameters import PLANNED_DECELERATION
 
-MOST = {"length": 100.0, "width": 10.0, "wheelbase": 100.0, "front_overhang": 100.0, "max_steering_angle": 0.5 * math.pi}
+LARGEST = {"length": 100.0, "width": 10.0, "wheelbase": 100.0, "front_overhang": 100.0, "max_steering_angle": 0.5 * math.pi}
 """What no road vehicle exceeds, m and rad; the longest road trains have 54 m."""
-
-MOST_OTHERWISE = 1000.0
+LARGEST_OTHERWISE = 1000.0
 """The same for every other limit, in its unit."""
 
 
@@ -45,10 +44,18 @@ class VehicleLimits:
         for name, value in positive.items():
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"vehicle {name} must be positive and finite, got {value}")
-            if value > (most := MOST.get(name, MOST_OTHERWISE)):
+            if value > (most := LARGEST.get(name, LARGEST_OTHERWISE)):
                 raise ValueError(f"vehicle {name} is {value:g}, more than {most:g}")
         if not (self.front_overhang >= 0.0 and self.rear_overhang >= 0.0):
             raise ValueError("wheelbase and front overhang do not fit the vehicle's length")
+
+    def __hash__(self) -> int:
+        """Return the hash of all limits, found once: what is worked out for a car is looked up by it at every step."""
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, field.name) for field in fields(self)))
 
     @cached_property
     def rear_overhang(self) -> float:

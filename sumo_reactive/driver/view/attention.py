@@ -1,18 +1,20 @@
-"""Where to look: the lanes that matter at a place of the plan, and what a vehicle on each of them may do to the ego."""
+"""Where to look: the lanes that matter at a place of the plan, and who on them can reach a conflict region on the way."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Conflict
+from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.parameters import (
     ATTENTION_BEHIND_M,
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
+    PLANS_KEPT,
     SIDE_BY_SIDE_ANGLE,
 )
 from sumo_reactive.driver.world.junction import Connection
@@ -20,7 +22,7 @@ from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
-class Watch(NamedTuple):
+class Threat(NamedTuple):
     """A lane from which a conflict can arise.
 
     A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`; the region
@@ -65,17 +67,15 @@ def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, oth
 
 
 @kept(4096)
-def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch, ...]]:
+def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Threat, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
-    table: dict[str, list[Watch]] = {}
+    table: dict[str, list[Threat]] = {}
     for conflict in conflicts_of(graph, connection_id):
-        behind, region = 0.0, (conflict.region.other.start, conflict.region.other.end)
-        for part in conflict.other.parts:
-            table.setdefault(part, []).append(Watch(conflict, -behind, (), *region))
-            behind += graph.lanes[part].spine.length
-        table.setdefault(conflict.other.to_lane, []).append(Watch(conflict, -behind, (), *region))
+        region = conflict.region.other.start, conflict.region.other.end
+        for lane_id, behind in graph.lanes_behind(conflict.other):
+            table.setdefault(lane_id, []).append(Threat(conflict, -behind, (), *region))
         for approach in graph.approaches.get(conflict.other.id, ()):
-            table.setdefault(approach.lane_id, []).append(Watch(conflict, approach.distance, approach.edges, *region))
+            table.setdefault(approach.lane_id, []).append(Threat(conflict, approach.distance, approach.edges, *region))
     return {lane: tuple(entries) for lane, entries in table.items()}
 
 
@@ -83,14 +83,8 @@ def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Watch
 def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
     """Return every lane to look at while passing a junction: inside, before, behind, and where foes come from."""
     junction = graph.junctions[graph.connections[connection_id].junction_id]
-    lanes: dict[str, None] = {}
-    for connection in junction.connections:
-        for lane in (*connection.parts, connection.from_lane, connection.to_lane):
-            if lane in graph.lanes:
-                lanes[lane] = None
-    for lane in watches_of(graph, connection_id):
-        lanes[lane] = None
-    return tuple(lanes)
+    lanes = (lane for c in junction.connections for lane in (*c.parts, c.from_lane, c.to_lane) if lane in graph.lanes)
+    return tuple(dict.fromkeys((*lanes, *watches_of(graph, connection_id))))
 
 
 @kept(1024)
@@ -118,15 +112,13 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     while queue:
         here, end = queue.pop()
         for connection in graph.outgoing.get(here, ()):
-            at = end
-            for part in connection.parts:
-                axis.setdefault(part, at)
-                at += graph.lanes[part].spine.length
-            behind = connection.to_lane
+            *parts, (behind, at) = graph.lanes_behind(connection)
+            for part, start in parts:
+                axis.setdefault(part, end + start)
             if behind in graph.lanes and behind not in axis:
-                axis[behind] = at
-                if at < lane.spine.length + ATTENTION_BEHIND_M:
-                    queue.append((behind, at + graph.lanes[behind].spine.length))
+                axis[behind] = end + at
+                if axis[behind] < lane.spine.length + ATTENTION_BEHIND_M:
+                    queue.append((behind, axis[behind] + graph.lanes[behind].spine.length))
     return axis
 
 
@@ -184,7 +176,9 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     for segment in plan.segments:
         if segment.start <= max(reach, front + sight) and segment.end >= front - ATTENTION_BEHIND_M:
-            lanes.update(dict.fromkeys(_edge_lanes(graph, segment.lane_id)))
+            lane = graph.lanes[segment.lane_id]
+            lanes.update((one.id, None) for one in graph.edge_lanes.get(lane.edge_id, (lane,)))
+            lanes.update((one.id, None) for one in graph.oncoming(lane.edge_id))
     for i in in_sight(plan, front, speed):
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
     change = next_change(plan, front)
@@ -193,9 +187,52 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
     return tuple(lanes)
 
 
-def _edge_lanes(graph: RoadGraph, lane_id: str) -> Iterator[str]:
-    lane = graph.lanes[lane_id]
-    for beside in graph.edge_lanes.get(lane.edge_id, (lane,)):
-        yield beside.id
-    for beside in graph.edge_lanes.get(graph.opposite.get(lane.edge_id, ""), ()):
-        yield beside.id
+_Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
+"""A passage, and what a user of a lane may do to the ego on it: the fields of a `Threat`.
+
+It is plain because every user near is held against it at every step: a named tuple takes longer to take apart.
+"""
+
+
+def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> tuple[Foe, ...]:
+    """Return who can reach a region of the plan's passages in `sight`, once for each region."""
+    found: list[Foe] = []
+    meanings = _meanings(graph, plan, sight) if sight else {}
+    for user in (*traffic.users, *traffic.beside) if meanings else ():
+        watched = meanings.get(user.lane_id)
+        if watched is None:
+            continue
+        at, body, route = user.lane_position, user.body, user.route
+        is_person, length = body.is_person, body.length
+        for passage, conflict, distance, edges, start, end in watched:
+            if edges and route and edges != route[: len(edges)]:
+                continue
+            if is_person:
+                foe = _walker(user, passage, conflict, start, end)
+                if foe.to_clear > 0.0:
+                    found.append(foe)
+                continue
+            to_line = distance - at
+            to_clear = to_line + end + length
+            if to_clear > 0.0:
+                found.append(Foe._make((user, passage, conflict, to_line, to_line + start, to_clear)))
+    return tuple(found)
+
+
+@kept(PLANS_KEPT)
+def _meanings(graph: RoadGraph, plan: NominalPlan, sight: tuple[int, ...]) -> Mapping[str, tuple[_Meaning, ...]]:
+    """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
+    table: dict[str, list[_Meaning]] = {}
+    for i in sight:
+        for lane_id, watches in watches_of(graph, plan.passages[i].connection_id).items():
+            table.setdefault(lane_id, []).extend((i, *watch) for watch in watches)
+    return {lane_id: tuple(meanings) for lane_id, meanings in table.items()}
+
+
+def _walker(user: RoadUser, passage: int, conflict: Conflict, start: float, end: float) -> Foe:
+    """A pedestrian may walk along the crossing's path or against it, and stand before it."""
+    at, path = user.lane_position, conflict.other.path
+    to_step_on = max(-at, at - path.length)
+    forward = math.cos(user.heading - path.heading_at(at)) >= 0.0
+    to_region, to_clear = (start - at, end - at) if forward else (at - end, at - start)
+    return Foe(user, passage, conflict, to_step_on if to_step_on > 0.0 else -1.0, to_region, to_clear)

@@ -1,4 +1,4 @@
-"""Which bodies reach into the corridor that the ego will sweep along C."""
+"""The corridor that the ego will sweep along C: which bodies reach into it, and where it covers the lane beside."""
 
 from __future__ import annotations
 
@@ -7,86 +7,65 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, NEAR_M, PLANS_KEPT, STANDING_SPEED, TURN_FORESEEN_S
+from sumo_reactive.driver.geometry.polyline import Floats
+from sumo_reactive.driver.geometry.swept import swept_sides
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import OffTracking
+from sumo_reactive.driver.parameters import (
+    CORRIDOR_MARGIN_M,
+    CUT_M,
+    CUT_SIGHT_M,
+    NEAR_M,
+    PLANS_KEPT,
+    STANDING_SPEED,
+    TURN_FORESEEN_S,
+)
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-
-Array = NDArray[np.float64]
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 SPEED_GAINED = 2.0
 """m/s; no command adds more to the ego's speed."""
-
 WIDTHS_M = 5.0
 """m; no two bodies are wider together."""
-
+STRAIGHT = 0.02
+"""Sine of the angle to C up to which the body counts as on it."""
 BEHIND_SHARE = 0.5
 """Who is behind the rear axle by this share of the way to him stays behind the ego's middle, however it steers."""
 
 
-class Band(NamedTuple):
+class CorridorSides(NamedTuple):
     """How far the corridor reaches to the left and right of C at each sample (n,), and the farthest of all, m."""
 
-    left: Array
-    right: Array
+    left: Floats
+    right: Floats
     widest: float
 
 
-def band_of(curve: Curve, limits: VehicleLimits) -> Band:
+@kept(PLANS_KEPT)
+def band_of(curve: Curve, limits: VehicleLimits) -> CorridorSides:
     """Return the corridor that the body sweeps while the front axle follows C.
 
     In a bend the rear axle cuts the inside and the front bumper swings to the outside.
     """
-    return band_along(curve, limits.width, limits.wheelbase, limits.front_overhang)
-
-
-@kept(PLANS_KEPT)
-def band_along(curve: Curve, width: float, wheelbase: float, overhang: float) -> Band:
-    """Return the corridor of a body of that `width`, `wheelbase` and front `overhang` (m)."""
-    half = 0.5 * width
+    half, wheelbase = 0.5 * limits.width, limits.wheelbase
     bend = float(curve.curvature[: int(wheelbase / curve.step) + 1].mean())
     angle = math.asin(min(max(bend * wheelbase, -0.9), 0.9))  # as in a steady turn
     heading = float(curve.heading[0]) - angle
-    left, right = _swept(curve.x, curve.y, curve.heading, curve.step, heading, wheelbase, overhang)
-    left, right = (half + np.maximum(side, CORRIDOR_MARGIN_M) for side in (left, right))
-    return Band(left, right, float(max(left.max(), right.max())))
+    sizes = wheelbase, limits.front_overhang
+    sides = swept_sides(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT, 1.0)
+    reach = np.max(sides, axis=(0, 2)), -np.min(sides, axis=(0, 2))  # between two samples as wide as at the wider one
+    left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
+    return CorridorSides(left, right, float(max(left.max(), right.max())))
 
 
 @kernel
-def _swept(
-    cx: Array, cy: Array, ch: Array, step: float, heading: float, wheelbase: float, overhang: float
-) -> tuple[Array, Array]:
-    """Return how far (n,), m, the middle of rear axle or front bumper passes to the left and to the right of each sample.
-
-    `heading` (rad) is the body's at the first. The rear axle is drawn along the body (F&L 1991, §3.1).
-    """
-    n = len(cx)
-    left, right = np.zeros(n), np.zeros(n)
-    rx, ry = cx[0] - wheelbase * math.cos(heading), cy[0] - wheelbase * math.sin(heading)
-    behind, ahead = int(wheelbase / step) + 1, int(overhang / step) + 1
-    for i in range(n):
-        dx, dy = cx[i] - rx, cy[i] - ry
-        away = math.hypot(dx, dy)
-        rx, ry = cx[i] - wheelbase * dx / away, cy[i] - wheelbase * dy / away
-        if abs(dx * math.sin(ch[i]) - dy * math.cos(ch[i])) < 0.02 * away:  # straight: the body stays on C
-            continue
-        bx, by = cx[i] + overhang * dx / away, cy[i] + overhang * dy / away
-        for px, py, first, last in ((rx, ry, i - behind, i), (bx, by, i, i + ahead)):
-            nearest, least = i, np.inf
-            for j in range(max(first, 0), min(last, n - 1) + 1):
-                squared = (cx[j] - px) ** 2 + (cy[j] - py) ** 2
-                if squared < least:
-                    nearest, least = j, squared
-            aside = (py - cy[nearest]) * math.cos(ch[nearest]) - (px - cx[nearest]) * math.sin(ch[nearest])
-            for j in range(max(nearest - 1, 0), min(nearest + 1, n - 1) + 1):
-                left[j], right[j] = max(left[j], aside), max(right[j], -aside)
-    return left, right
-
-
-@kernel
-def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Array, c: float, s: float) -> bool:
+def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Floats, c: float, s: float) -> bool:
     """Whether the cross-section of half-width `half` at a place of C meets a box (front x, y, heading, -, length, width).
 
     C runs along (tx, ty) there, the box along (c, s).
@@ -101,7 +80,7 @@ def _cuts(px: float, py: float, tx: float, ty: float, half: float, box: Array, c
 
 
 @kernel
-def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
+def _first_touch(px: float, py: float, heading: float, box: Floats) -> float:
     """Least arc length, relative to a pose of C, at which a corner of the box lies (m)."""
     c, s = math.cos(box[2]), math.sin(box[2])
     tx, ty = math.cos(heading), math.sin(heading)
@@ -111,8 +90,8 @@ def _first_touch(px: float, py: float, heading: float, box: Array) -> float:
 
 @kernel
 def near_boxes(
-    boxes: Array, x: float, y: float, heading: float, speed: float, length: float
-) -> tuple[Array, NDArray[np.int64]]:
+    boxes: Floats, x: float, y: float, heading: float, speed: float, length: float
+) -> tuple[Floats, NDArray[np.int64]]:
     """Return those of `boxes` (n, 6) that are nearer than NEAR_M in |Δx| + |Δy|, (m, 8): with no turn rate and no end of
     their way; and which of them move and could touch an ego of `length` m within the time that turning is foreseen, (k, 2):
     their rows there and in `boxes`.
@@ -138,24 +117,24 @@ def near_boxes(
 
 
 @kernel
-def blocked_stretches(
-    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
-    right: Array, widest: float,
-) -> Array:  # fmt: skip
-    """Return (n, 4): first and last arc length that each box blocks (m; NaN if none), velocity along and across C (m/s).
+def blocking_ones(
+    boxes: Floats, cx: Floats, cy: Floats, ch: Floats, step: float, start: float, end: float, left: Floats,
+    right: Floats, widest: float,
+) -> tuple[NDArray[np.int64], Floats]:  # fmt: skip
+    """Return which of `boxes` (n, 6: front x, y, heading, speed, length, width) block a stretch of C (m,), and (m, 4): the
+    first and last arc length that each blocks (m), its velocity along and across C (m/s).
 
-    `boxes` (n, 6): front x, y, heading, speed, length, width. The search runs from `start` to `end` along C and leaps
-    where the body is far. The corridor reaches `left` and `right` (m) of each sample, at most `widest`.
+    The search runs from `start` to `end` along C and leaps where the body is far. The corridor reaches `left` and `right`
+    (m) of each sample, at most `widest`.
     """
-    out = np.full((len(boxes), 4), np.nan)
-    low = max(0, int(start / step))
-    high = min(len(cx) - 1, int(end / step))
+    which, out, n = np.empty(len(boxes), dtype=np.int64), np.empty((len(boxes), 4)), 0
+    low, high = max(0, int(start / step)), min(len(cx) - 1, int(end / step))
     for k in range(len(boxes)):
         box = boxes[k]
         c, s = math.cos(box[2]), math.sin(box[2])
         mx, my = box[0] - 0.5 * box[4] * c, box[1] - 0.5 * box[4] * s
         radius = 0.5 * math.hypot(box[4], box[5]) + widest
-        i = low
+        i, blocks = low, False
         while i <= high:
             dx, dy = cx[i] - mx, cy[i] - my
             away = math.sqrt(dx * dx + dy * dy) - radius
@@ -165,24 +144,62 @@ def blocked_stretches(
             half, shift = 0.5 * (left[i] + right[i]), 0.5 * (left[i] - right[i])
             tx, ty = math.cos(ch[i]), math.sin(ch[i])
             if _cuts(cx[i] - shift * ty, cy[i] + shift * tx, tx, ty, half, box, c, s):
-                if np.isnan(out[k, 0]):
+                if not blocks:
+                    blocks, which[n] = True, k
                     touch = min(max(_first_touch(cx[i], cy[i], ch[i], box), -step), 0.0)
-                    out[k, 0] = i * step + (touch if i > low else 0.0)
-                    out[k, 2] = box[3] * math.cos(box[2] - ch[i])
-                    out[k, 3] = box[3] * math.sin(box[2] - ch[i])
-                out[k, 1] = i * step
-            elif not np.isnan(out[k, 0]):
+                    out[n, 0] = i * step + (touch if i > low else 0.0)
+                    out[n, 2], out[n, 3] = box[3] * math.cos(box[2] - ch[i]), box[3] * math.sin(box[2] - ch[i])
+                out[n, 1] = i * step
+            elif blocks:
                 break
             i += 1
-    return out
+        n += blocks
+    return which[:n], out[:n]
 
 
-@kernel
-def blocking_ones(
-    boxes: Array, cx: Array, cy: Array, ch: Array, step: float, start: float, end: float, left: Array,
-    right: Array, widest: float,
-) -> tuple[NDArray[np.int64], Array]:  # fmt: skip
-    """Return which of `boxes` block a stretch (m,), and their rows of `blocked_stretches` (m, 4)."""
-    stretches = blocked_stretches(boxes, cx, cy, ch, step, start, end, left, right, widest)
-    blocking = np.flatnonzero(~np.isnan(stretches[:, 0]))
-    return blocking, stretches[blocking]
+@kept(PLANS_KEPT)
+def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[OffTracking, ...]:
+    """Return where the body covers lanes beside its own while the front axle follows C, in order along C.
+
+    Where C itself leads from lane to lane it cuts into none.
+    """
+    curve, band, found = plan.curve, band_of(plan.curve, limits), []
+    places = np.column_stack((curve.x, curve.y))
+    for g in plan.segments:
+        first, end = max(int(g.start / curve.step) + 1, 0), min(int(g.end / curve.step), len(curve.x))
+        if first >= end or any(change.start < g.end and change.end > g.start for change in plan.lane_changes):
+            continue
+        own = graph.lanes[g.lane_id]
+        aside = own.spine.offsets(places[first:end])
+        for left, reach in ((True, aside + band.left[first:end]), (False, band.right[first:end] - aside)):
+            lane = lane_at_side(graph, g.lane_id, left)
+            at = first + np.flatnonzero(reach > 0.5 * own.width + CUT_M)
+            if lane is not None and len(at):
+                runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
+                ends = ((float(run[0]) * curve.step, float(run[-1]) * curve.step) for run in runs)
+                found += [OffTracking(*stretch, left, lane.id) for stretch in ends]
+    return tuple(sorted(found))
+
+
+def next_off_tracking(
+    plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s: float, front: float
+) -> OffTracking | None:
+    """Return the next off-tracking into the lane of a road that is in sight and not yet passed; none during a lane change.
+
+    `s`, `front`: arc length of front axle and front bumper on C, m.
+    """
+    for found in off_tracking_of(plan, graph, limits):
+        if found.start > front + CUT_SIGHT_M:
+            break
+        if found.end > s and not found.lane_id.startswith(":"):
+            return found
+    return None
+
+
+def lane_at_side(graph: RoadGraph, lane_id: str, left: bool) -> Lane | None:
+    """Return the lane directly left or right of a lane, inside a junction too."""
+    lane = graph.lanes[lane_id]
+    if not lane.is_internal:
+        return graph.neighbours(lane_id)[0 if left else 1]
+    index = lane.index + (1 if left != graph.left_hand else -1)
+    return graph.lanes.get(f"{lane.edge_id}_{index}")

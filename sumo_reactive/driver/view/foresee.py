@@ -7,25 +7,21 @@ from collections.abc import Iterator, Sequence
 from itertools import accumulate
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.angle import wrapped
-from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.geometry.polyline import Floats, Polyline, wrapped
 from sumo_reactive.driver.nouns.forecast import Forecast
+from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import FORECAST_REACH_M, PATH_STEP_M
-from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
-
-Array = NDArray[np.float64]
 
 
 def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> Forecast:
     """Return the paths of `users` for `duration` s; both branches, or all, where a route is unknown (F&L 1991, §2)."""
     ids: list[str] = []
-    chunks: list[Array] = []
+    chunks: list[Floats] = []
     bodies: list[float] = []
     for user in users:
         for path in _paths_of(graph, user):
@@ -46,16 +42,16 @@ def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> F
 NOBODY = Forecast((), np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 6)))
 
 
-def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Array, ...]:
+def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Floats, ...]:
     """Return the ways of a user; a body that stands on no lane has one, which starts at its front."""
     if user.lane_id or not user.is_halted:
         return paths_ahead(graph, user.lane_id, user.route[:3])
-    ahead = PATH_STEP_M * np.array([[0.0], [1.0]]) * (math.cos(user.heading), math.sin(user.heading))
-    return (np.column_stack((ahead + np.array((user.x, user.y)), np.full(2, user.heading))),)
+    front = Pose(user.x, user.y, user.heading)
+    return (np.array([(*front.ahead(way), user.heading) for way in (0.0, PATH_STEP_M)]),)
 
 
 @kept(4096)
-def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple[Array, ...]:
+def paths_ahead(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> tuple[Floats, ...]:
     """Return each way on from the start of a lane, (n, 3): x, y, heading every PATH_STEP_M.
 
     `edges` are the next ones of the route (empty: unknown, every way out counts). None for lanes outside `graph`.
@@ -104,7 +100,7 @@ def way_left(graph: RoadGraph, user: RoadUser) -> float:
 
 
 @kernel
-def turned(path: Array, front: float, way: float, heading: float, length: float) -> float:
+def turned(path: Floats, front: float, way: float, heading: float, length: float) -> float:
     """Return by how much (rad) a body of that `heading` and `length` (m) turns while its front drives `way` m along a path.
 
     Its front is `front` m from the start of the path. A rear that is not on the path yet comes to its start straight from
@@ -126,7 +122,7 @@ def turned(path: Array, front: float, way: float, heading: float, length: float)
 
 
 @kernel
-def point_at(path: Array, s: float) -> tuple[float, float]:
+def point_at(path: Floats, s: float) -> tuple[float, float]:
     """Return the point (m) at arc length `s` of a path, between the samples next to it."""
     u = s / PATH_STEP_M
     i = min(max(int(u), 0), len(path) - 2)
@@ -134,26 +130,20 @@ def point_at(path: Array, s: float) -> tuple[float, float]:
     return path[i, 0] + share * (path[i + 1, 0] - path[i, 0]), path[i, 1] + share * (path[i + 1, 1] - path[i, 1])
 
 
-def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Array]]:
-    spine = graph.lanes[lane_id].spine
-    own = graph.connection_of.get(lane_id)
+def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[list[Floats]]:
+    spine, own = graph.lanes[lane_id].spine, graph.connection_of.get(lane_id)
     if own is not None and not own.is_crossing:
-        parts = own.parts[own.parts.index(lane_id) :]
-        yield [graph.lanes[part].spine.points for part in (*parts, own.to_lane) if part in graph.lanes]
+        lanes = [lane for lane, _ in graph.lanes_behind(own) if lane in graph.lanes]
+        yield [graph.lanes[lane].spine.points for lane in lanes[lanes.index(lane_id) :]]
         return
-    ways = [] if spine.length > FORECAST_REACH_M or own is not None else list(_ways(graph, lane_id, edges))
-    if not ways:
-        yield [spine.points]
-    for way in ways:
-        behind = [graph.lanes[part].spine.points for part in (*way.parts, way.to_lane) if part in graph.lanes]
-        yield [spine.points, *behind]
-
-
-def _ways(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[Connection]:
-    for way in graph.outgoing.get(lane_id, ()):
-        target = graph.lanes.get(way.to_lane)
-        if not way.is_crossing and target is not None and (not edges or target.edge_id in edges[1:2]):
-            yield way
+    ways = () if spine.length > FORECAST_REACH_M or own is not None else graph.outgoing.get(lane_id, ())
+    targets = {way.id: graph.lanes.get(way.to_lane) for way in ways if not way.is_crossing}
+    behind = [
+        [graph.lanes[lane].spine.points for lane, _ in graph.lanes_behind(way)]
+        for way in ways
+        if (target := targets.get(way.id)) is not None and (not edges or target.edge_id in edges[1:2])
+    ]
+    yield from ([spine.points, *way] for way in behind or [[]])
 
 
 def _beside(point: Sequence[float], user: RoadUser) -> float:

@@ -1,13 +1,37 @@
-"""Whom the ego must stay behind: who drives ahead, stands in the way, comes towards it or crosses."""
+"""Whom the ego must stay behind: who drives ahead, stands in the way, comes towards it or crosses, or is first at a narrow
+place, where nobody has room beside somebody on a neighbour way through a junction."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from operator import itemgetter
+from typing import NamedTuple
 
+import numpy as np
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
-from sumo_reactive.driver.parameters import CROSSER_MARGIN_S, STANDING_SPEED
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.parameters import (
+    ABREAST_WIDTH_M,
+    CROSSER_MARGIN_S,
+    FOE_ACCELERATION,
+    HOLD_BACK_REACH_M,
+    MAX_ACCELERATION_IN_PLAN,
+    MIN_ABREAST_M,
+    NARROW_HEADWAY,
+    NARROW_LEAD_S,
+    PLANS_KEPT,
+    STANDING_SPEED,
+)
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.travel_time import travel_time
+from sumo_reactive.driver.world.abreast import abreast_of, beside
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 FASTER = 2.0
 """m/s; the ego may speed up by so much until it meets somebody."""
@@ -15,7 +39,7 @@ FASTER = 2.0
 
 def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> list[Leader]:
     """Return a leader for each body in the corridor that will not be gone; ego's bumper at `front` m of C, `speed` m/s."""
-    found = [_leader(obstacle, front, speed, limits) for obstacle in on_path]
+    found = (_leader(obstacle, front, speed, limits) for obstacle in on_path)
     return [leader for leader in found if leader is not None]
 
 
@@ -53,3 +77,114 @@ def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleL
     if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
         return None
     return Leader(user.id, start, 0.0, brakes)
+
+
+class Narrow(NamedTuple):
+    """Between `start` and `end` of C (m) the way of `other` is `clearance` m beside it at the least, on that way between
+    `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge` is where `other` leads."""
+
+    passage: int
+    start: float
+    end: float
+    other: Connection
+    to_edge: str
+    other_start: float
+    other_end: float
+    clearance: float
+
+
+@kept(PLANS_KEPT)
+def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Narrow, ...]:
+    """Return the narrow places along C."""
+    curve, found = plan.curve, []
+    for i, passage in enumerate(plan.passages):
+        first = max(int(passage.start / curve.step), 0)
+        last = min(int((passage.end + HOLD_BACK_REACH_M) / curve.step) + 1, len(curve.x))
+        if last - first < 2:
+            continue
+        places = np.column_stack((curve.x[first:last], curve.y[first:last]))
+        for other, way in abreast_of(graph, passage.connection_id):
+            aside = np.abs(beside(way, places))
+            at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M)
+            if len(at):
+                start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
+                along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
+                edge = graph.lanes[other.to_lane].edge_id
+                found.append(Narrow(i, start, end, other, edge, along, until, float(aside.min())))
+    return tuple(found)
+
+
+def ahead_at_narrows(
+    users: tuple[RoadUser, ...], narrows: tuple[Narrow, ...], graph: RoadGraph, ego: VehicleState, front: float,
+    limits: VehicleLimits,
+) -> Iterator[Leader]:  # fmt: skip
+    """Yield a leader for everybody who is first at a narrow place before the ego; its bumper is at `front` m of C.
+
+    Who is in it already is seen in the corridor. Where both would arrive abreast the ego falls back: nobody else does.
+    """
+    for narrow in narrows:
+        left = narrow.start - front
+        if left > 0.0:
+            coming = sorted(_coming(users, narrow, graph, limits.width), key=itemgetter(0))
+            first, time = _turn(coming, narrow, left, ego.speed, limits)
+            if first is not None:
+                yield _ahead_by(first, left, time, front, ego.speed, limits)
+
+
+def _coming(
+    users: tuple[RoadUser, ...], narrow: Narrow, graph: RoadGraph, width: float
+) -> Iterator[tuple[float, RoadUser]]:
+    """Yield who comes to a narrow place that is too narrow for him beside the ego, and the way (m) to it."""
+    for user in users:
+        to_line = _to_line(user, narrow, graph)
+        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > MIN_ABREAST_M:
+            continue
+        if user.speed >= STANDING_SPEED or to_line <= 0.0:
+            yield to_line + narrow.other_start, user
+
+
+def _to_line(user: RoadUser, narrow: Narrow, graph: RoadGraph) -> float | None:
+    """The way (m) to the stop line of a user who takes the other way through a narrow place; None: he does not."""
+    other = narrow.other
+    if user.lane_id == other.from_lane:
+        if user.route[1:2] not in ((), (narrow.to_edge,)):
+            return None
+        return graph.lanes[other.from_lane].spine.length - user.lane_position
+    inside = (-at - user.lane_position for part, at in graph.lanes_behind(other) if user.lane_id == part != other.to_lane)
+    return next(inside, None)
+
+
+def _turn(
+    coming: list[tuple[float, RoadUser]], narrow: Narrow, left: float, speed: float, limits: VehicleLimits
+) -> tuple[RoadUser | None, float]:
+    """Return behind whom of `coming`, the nearest first, the ego passes a narrow place `left` m ahead (None: nobody need be
+    waited for), and when it may be there (s from now).
+
+    It goes before the first who comes well after it. It counts on half the speed allowed, or on what it has.
+    """
+    top = narrow.other.speed_limit
+    pace = max(speed, 0.5 * top)
+    own, inside = travel_time(left, speed, MAX_ACCELERATION_IN_PLAN, 0.5 * top), narrow.end - narrow.start
+    last, turn = None, 0.0
+    for theirs, user in coming:
+        caught_up = max(inside / pace - inside / max(user.speed, 1.0), 0.0)
+        clear = max(own, turn) + limits.length / pace + caught_up + NARROW_LEAD_S
+        if clear < travel_time(theirs, user.speed, FOE_ACCELERATION, top):
+            break
+        if theirs + user.body.length > 0.0:
+            gone = (theirs + user.body.length) / max(user.speed, STANDING_SPEED)
+            last, turn = user, max(turn, gone + NARROW_HEADWAY * limits.time_headway + limits.standstill_gap / pace)
+    return last, turn
+
+
+def _ahead_by(
+    user: RoadUser, left: float, time: float, front: float, speed: float, limits: VehicleLimits
+) -> Leader:
+    """Return `user` as a leader behind whom the ego, at `speed`, comes to a narrow place `left` m ahead in `time` s.
+
+    It drives at the pace that this takes, as far ahead as the ego follows at that pace, or as it needs to brake gently.
+    """
+    pace = left / time
+    braking = 0.5 * (speed * speed - pace * pace) / limits.comfort_deceleration
+    gap = max(pace * limits.time_headway, min(braking, left))
+    return Leader(user.id, front + limits.standstill_gap + gap, pace, user.body.emergency_deceleration)

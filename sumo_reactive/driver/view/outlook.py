@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
+from sumo_reactive.driver.geometry.polyline import Points
 from sumo_reactive.driver.nouns.forecast import Outlook
-from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.plan import NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S, SLOW_SHARE
+from sumo_reactive.driver.parameters import (
+    ASSESSED_S,
+    ATTENTION_MIN_AHEAD_M,
+    FORECAST_REACH_M,
+    OVERTAKING_S,
+    PATH_STEP_M,
+    SAFE_GAP_M,
+    SLOW_SHARE,
+    STANDING_SPEED,
+    TURNAROUND_REACHED_M,
+)
+from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.beside import lanes_beside
-from sumo_reactive.driver.view.foresee import foresee
-from sumo_reactive.driver.view.ground import who_comes_over
-from sumo_reactive.driver.view.queues import queues
+from sumo_reactive.driver.view.beside import lanes_beside, queues
+from sumo_reactive.driver.view.foresee import foresee, paths_ahead
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
@@ -40,3 +55,64 @@ def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
     users.update((neighbour.user.id, neighbour.user) for neighbour in snapshot.neighbours)
     pose, reach = snapshot.ego.pose, ASSESSED_S * snapshot.ego.speed + ATTENTION_MIN_AHEAD_M / 2
     return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + ASSESSED_S * u.speed))
+
+
+_POSE_STEP_M = 0.5
+"""Poses of a move are looked at this far apart."""
+
+
+def who_comes_over(
+    users: tuple[RoadUser, ...], snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits
+) -> str:
+    """Return who will drive over the ground of the turn that the ego is about to begin, before it has ended (empty: nobody).
+
+    The regions of the connection tell about those whom SUMO's map lets cross it, and who is behind the ego waits; others may
+    come by ways that touch the map's path of the turn nowhere, but the moves.
+    """
+    turn = next((one for one in plan.turnarounds if snapshot.front < one.end), None)
+    if turn is None or snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
+        return ""
+    known = {foe.user.id for foe in snapshot.foes}
+    ground = swept_ground(turn, snapshot.ego, limits)
+    own_road = graph.lanes[turn.from_lane].edge_id
+    for user in users:
+        if user.id in known or user.lane_id == turn.from_lane or own_road in user.route[1:3]:  # he will be behind the ego
+            continue
+        if user.speed < STANDING_SPEED or user.body.is_person:
+            continue
+        if _turns_in(user, turn, graph) or _drives_over(user, ground, turn.duration, graph, limits):
+            return user.id
+    return ""
+
+
+def _turns_in(user: RoadUser, turn: Turnaround, graph: RoadGraph) -> bool:
+    """Whether a user will come onto the road that the ego turns into, by whatever way."""
+    lane = graph.lanes.get(user.lane_id)
+    if lane is None or graph.lanes[turn.to_lane].edge_id not in user.route[1:2]:
+        return False
+    return lane.spine.length - user.lane_position < user.speed * turn.duration
+
+
+def _drives_over(
+    user: RoadUser, ground: Points, duration: float, graph: RoadGraph, limits: VehicleLimits
+) -> bool:
+    """Whether a user who keeps its speed for `duration` s comes over the ground on a way that the map knows."""
+    near = 0.5 * (limits.width + user.body.width) + SAFE_GAP_M
+    first = max(int(user.lane_position / PATH_STEP_M), 0)
+    last = first + 2 + int(user.speed * duration / PATH_STEP_M)
+    ways = (path[first:last, :2] for path in paths_ahead(graph, user.lane_id, user.route[:3]))
+    return any(len(way) and np.hypot(*(way[:, None, :] - ground).transpose(2, 0, 1)).min() < near for way in ways)
+
+
+def swept_ground(turn: Turnaround, ego: VehicleState, limits: VehicleLimits) -> Points:
+    """Return points (n, 2), m, on the middle of the body from bumper to bumper, in poses all along the moves of a turn."""
+    pose, poses = ego.pose, [ego.pose]
+    for move in turn.moves:
+        way = max(move.left(pose.heading), 0.0)
+        for _ in range(math.ceil(way / _POSE_STEP_M)):
+            step = move.gear * min(_POSE_STEP_M, way)
+            pose = Pose(*advance_pose(pose.x, pose.y, pose.heading, step, move.steering_angle, limits.wheelbase, 1.0))
+            poses.append(pose)
+    x, y, heading = np.array([(one.x, one.y, one.heading) for one in poses]).T
+    along = np.linspace(-limits.rear_overhang, limits.front_to_rear_axle, 5)[:, None]
+    return np.column_stack(((x + along * np.cos(heading)).ravel(), (y + along * np.sin(heading)).ravel()))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from struct import pack_into
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
@@ -23,30 +22,20 @@ from sumo_reactive.driver.parameters import (
     TURN_FORESEEN_S,
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.abreast import ahead_at_narrows, narrows_of
-from sumo_reactive.driver.view.attention import in_sight, lane_axis, lane_sought, place_beside
-from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes
-from sumo_reactive.driver.view.cuts import next_cut
-from sumo_reactive.driver.view.foes import foes_of
+from sumo_reactive.driver.view.attention import foes_of, in_sight, lane_axis, lane_sought, place_beside
+from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes, next_off_tracking
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
-from sumo_reactive.driver.view.leaders import FASTER, comes_towards, leaders, time_to_meet
+from sumo_reactive.driver.view.lane_room import lane_room
+from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
 from sumo_reactive.driver.view.static import static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Array = NDArray[np.float64]
-
-_NO_BOXES: Array = np.empty((0, 6))
-
-
-def front_axle(ego: VehicleState, limits: VehicleLimits) -> tuple[float, float]:
-    """Return control point F, the front axle's middle (m)."""
-    p = ego.pose
-    return p.x + limits.wheelbase * math.cos(p.heading), p.y + limits.wheelbase * math.sin(p.heading)
+_NO_BOXES: Floats = np.empty((0, 6))
 
 
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
     """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
-    curve, (x, y) = plan.curve, front_axle(ego, limits)
+    curve, (x, y) = plan.curve, ego.pose.ahead(limits.wheelbase)
     return project_on_curve(x, y, curve.x, curve.y, curve.step, s_before, PROJECTION_WINDOW_M)
 
 
@@ -67,11 +56,12 @@ def perceive(
     sight = in_sight(plan, front, ego.speed)
     foes = foes_of(traffic, plan, graph, sight) if looks_for_foes else ()
     sought = lane_sought(graph, plan, front)
-    cut = None if sought else next_cut(plan, graph, limits, s, front)
+    cut = None if sought else next_off_tracking(plan, graph, limits, s, front)
     beside = cut.lane_id if cut else sought
-    neighbours = tuple(_neighbours(traffic.users, beside, plan, graph, ego, front, limits)) if beside else ()
+    own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
+    neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
     near = _near(traffic.users, boxes, graph, ego, limits)
-    static = static_near(graph, plan, vehicle_class, s, *front_axle(ego, limits), traffic.static)
+    static = static_near(graph, plan, vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
     behind = tuple(leaders(met, front, ego.speed, limits))
@@ -79,10 +69,13 @@ def perceive(
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
     lights = traffic.lights
-    return Snapshot(traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut)
+    room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
+    return Snapshot(
+        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut, room
+    )  # fmt: skip
 
 
-def _boxes(users: tuple[RoadUser, ...]) -> Array:
+def _boxes(users: tuple[RoadUser, ...]) -> Floats:
     """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
     if not users:
         return _NO_BOXES
@@ -96,8 +89,8 @@ def _boxes(users: tuple[RoadUser, ...]) -> Array:
 
 
 def _near(
-    users: tuple[RoadUser, ...], boxes: Array, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
-) -> Array:
+    users: tuple[RoadUser, ...], boxes: Floats, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
+) -> Floats:
     """Return the boxes (m, 8) of those of `users` who are near; who cannot be touched within the foreseen time has no turn
     rate, and no end of his way."""
     pose = ego.pose
@@ -110,7 +103,7 @@ def _near(
 
 
 def _on_path(
-    users: tuple[RoadUser, ...], boxes: Array, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
+    users: tuple[RoadUser, ...], boxes: Floats, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
 ) -> list[PathObstacle]:
     curve = plan.curve
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
@@ -147,13 +140,7 @@ def _passes_by(
     return False
 
 
-def _neighbours(
-    users: tuple[RoadUser, ...], lane_id: str, plan: NominalPlan, graph: RoadGraph, ego: VehicleState, front: float,
-    limits: VehicleLimits,
-) -> Iterator[Neighbour]:  # fmt: skip
-    axis = lane_axis(graph, lane_id)
-    p, reach = ego.pose, limits.front_to_rear_axle
-    own = place_beside(graph, plan, lane_id, front, p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading))
+def _neighbours(users: tuple[RoadUser, ...], axis: Mapping[str, float], own: float) -> Iterator[Neighbour]:
     for user in users:
         start = axis.get(user.lane_id)
         if start is not None:

@@ -7,22 +7,20 @@ from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
 from sumo_reactive.driver.parameters import BORDER_STEP_M, PLANS_KEPT, STATIC_REACH_M
 from sumo_reactive.driver.world.borders import borders
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Array = NDArray[np.float64]
-
 
 def static_near(
-    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, s: float, x: float, y: float, extra: Array = NO_POINTS
-) -> Array:
-    """Return the points of O_S (k, 2), m, near the front axle at (x, y), `s` of C.
+    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, s: float, place: tuple[float, float], extra: Floats = NO_POINTS
+) -> Floats:
+    """Return the points of O_S (k, 2), m, near the front axle at `place`, `s` of C.
 
     Of the borders these are those beside it and up to STATIC_REACH_M ahead along C, of the `extra` points (m) those within
     that taxicab distance.
@@ -31,13 +29,13 @@ def static_near(
     near = points[bisect_left(arcs, s - BORDER_STEP_M) : bisect_left(arcs, s + STATIC_REACH_M)]
     if not len(extra):
         return near
-    away = np.abs(extra[:, 0] - x) + np.abs(extra[:, 1] - y)
+    away = np.abs(extra - place).sum(axis=1)
     return np.concatenate((near, extra[away < STATIC_REACH_M]))
 
 
 def static_within(
-    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, x: float, y: float, side: float, extra: Array = NO_POINTS
-) -> Array:
+    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, x: float, y: float, side: float, extra: Floats = NO_POINTS
+) -> Floats:
     """Return the points of O_S (k, 2), m, in the square window of `side` m around (x, y)."""
     points = np.concatenate((_beside(plan, graph, vehicle_class)[1], extra))
     inside = np.abs(points - (x, y)).max(axis=1, initial=0.0) <= 0.5 * side
@@ -45,7 +43,7 @@ def static_within(
 
 
 @kept(PLANS_KEPT)
-def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Sequence[float], Array]:
+def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Sequence[float], Floats]:
     """Return the border points along C: arc lengths (n), ascending, and place (n, 2), m. Junctions have none."""
     parts = [_of_segment(graph, g, vehicle_class) for g in plan.segments if not graph.lanes[g.lane_id].is_internal]
     if not parts:
@@ -55,7 +53,7 @@ def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Se
     return array("d", arcs[order]), points[order]
 
 
-def _of_segment(graph: RoadGraph, segment: LaneSegment, vehicle_class: str) -> tuple[Array, Array]:
+def _of_segment(graph: RoadGraph, segment: LaneSegment, vehicle_class: str) -> tuple[Floats, Floats]:
     """Return the border points beside one segment: arc length on C (n,), place (n, 2), m."""
     along, points = _of_lane(graph, segment.lane_id, vehicle_class)
     arcs = segment.start + (along - segment.lane_offset) * segment.stretch
@@ -64,7 +62,7 @@ def _of_segment(graph: RoadGraph, segment: LaneSegment, vehicle_class: str) -> t
 
 
 @kept(4096)
-def _of_lane(graph: RoadGraph, lane_id: str, vehicle_class: str) -> tuple[Array, Array]:
+def _of_lane(graph: RoadGraph, lane_id: str, vehicle_class: str) -> tuple[Floats, Floats]:
     """Return the border points of a lane's road: arc length on the lane's spine (n,), place (n, 2), m."""
     lane = graph.lanes[lane_id]
     points = borders(graph, lane.edge_id, vehicle_class)

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
-from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, cut, joined
 from sumo_reactive.driver.parameters import ABREAST_M, HOLD_BACK_REACH_M, SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -42,7 +41,7 @@ def abreast_of(graph: RoadGraph, connection_id: str) -> tuple[Abreast, ...]:
     return tuple(found)
 
 
-def beside(way: Polyline, places: Points) -> NDArray[np.float64]:
+def beside(way: Polyline, places: Points) -> Floats:
     """Return how far left of a way each of `places` (n, 2) is, (n,), m; infinite where the way is not beside it."""
     s = way.arc_lengths_at(places)
     return np.where((s > 0.0) & (s < way.length), way.offsets(places), np.inf)

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
-from sumo_reactive.driver.geometry.polyline import moved_aside
+from sumo_reactive.driver.geometry.polyline import Floats, moved_aside
 from sumo_reactive.driver.parameters import BORDER_STEP_M
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-Array = NDArray[np.float64]
-
 
 @kept(4096)
-def borders(graph: RoadGraph, edge_id: str, vehicle_class: str) -> Array:
+def borders(graph: RoadGraph, edge_id: str, vehicle_class: str) -> Floats:
     """Return points (n, 2), m, on the borders of what vehicles of the class may drive on, at most BORDER_STEP_M apart.
 
     These are the borders of an edge's carriageway, the oncoming side included where it may be used to overtake, and both
@@ -36,17 +33,16 @@ def borders(graph: RoadGraph, edge_id: str, vehicle_class: str) -> Array:
     return np.vstack(lines)
 
 
-def border(lane: Lane, side: float) -> Array:
+def border(lane: Lane, side: float) -> Floats:
     """Return points (n, 2), m, on a lane's left (`side` = 1) or right border (−1), as its driver sees it."""
     spine = lane.spine
     s = np.linspace(0.0, spine.length, 1 + max(1, math.ceil(spine.length / BORDER_STEP_M)))
-    line = np.column_stack([np.interp(s, spine.arc_lengths, spine.points[:, k]) for k in (0, 1)])
-    return moved_aside(line, np.full(len(s), 0.5 * side * lane.width))
+    return moved_aside(spine.points_at(s), np.full(len(s), 0.5 * side * lane.width))
 
 
 def _across(graph: RoadGraph, edge_id: str) -> list[tuple[Lane, float]]:
     """Return the carriageway's lanes from the edge's outer one on, each with the side of its border that comes first."""
     outer = 1.0 if graph.left_hand else -1.0
     own = [(lane, outer) for lane in graph.edge_lanes.get(edge_id, ())]
-    oncoming = graph.edge_lanes.get(graph.opposite.get(edge_id, ""), ())
+    oncoming = graph.oncoming(edge_id)
     return own + [(lane, -outer) for lane in reversed(oncoming)]

@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sumo_reactive.driver.geometry.polyline import Points, Polyline
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 
 
@@ -72,7 +69,7 @@ class Connection:
     is_crossing: bool = False
     width: float = 3.2
     speed_limit: float = 13.89
-    heights: NDArray[np.float64] | None = None
+    heights: Floats | None = None
     tail: Points | None = None
     hold_back: float = 0.0
     head: Points | None = None

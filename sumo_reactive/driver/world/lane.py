@@ -1,11 +1,26 @@
-"""Lanes: the regions of W that have a spine."""
+"""Lanes: the regions of W that have a spine, who may use them, and which one shares a road in the other direction."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
+from sumo_reactive.driver.parameters import OPPOSITE_SLACK_M
+
+VEHICLE_CLASSES = frozenset(
+    {
+        "private", "emergency", "authority", "army", "vip", "pedestrian", "passenger", "hov", "taxi", "bus", "coach",
+        "delivery", "truck", "trailer", "motorcycle", "moped", "bicycle", "evehicle", "tram", "rail_urban", "rail",
+        "rail_electric", "rail_fast", "ship", "container", "cable_car", "subway", "aircraft", "wheelchair", "scooter",
+        "drone", "custom1", "custom2",
+    }
+)  # fmt: skip
+"""Every class that a lane can allow or forbid (SUMO 1.28)."""
+
+_SAMPLES = np.linspace(0.1, 0.9, 5)  # fractions of the spine; its ends may fan out at the junctions
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,3 +69,25 @@ class Lane:
     def allows_change_right(self, vehicle_class: str) -> bool:
         """Whether vehicles of the class may leave this lane to the right."""
         return vehicle_class in self.change_right
+
+
+def road_of(lane_id: str) -> str:
+    """Return the id of the edge that a lane belongs to, which its own begins with."""
+    return lane_id.rpartition("_")[0]
+
+
+def nearest_opposite(inner: Lane, candidates: Iterable[Lane]) -> Lane | None:
+    """Return the oncoming inner lane that lies right beside `inner`, or None.
+
+    `candidates` are the inner lanes of edges that join the same junctions the other way round; one counts if vehicles of
+    some class may use both and if on average at most `OPPOSITE_SLACK_M` lies between them.
+    """
+    beside = [(separation(inner, lane), lane) for lane in candidates if lane.allowed & inner.allowed]
+    near = [(gap, lane) for gap, lane in beside if gap <= OPPOSITE_SLACK_M]
+    return min(near, key=lambda item: (abs(item[0]), item[1].id))[1] if near else None
+
+
+def separation(inner: Lane, other: Lane) -> float:
+    """Return the mean room between the borders of two lanes, m; negative where they overlap."""
+    offsets = [other.spine.project(*inner.spine.at(float(f) * inner.spine.length))[1] for f in _SAMPLES]
+    return float(np.mean(np.abs(offsets))) - 0.5 * (inner.width + other.width)

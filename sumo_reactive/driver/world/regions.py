@@ -1,11 +1,27 @@
-"""Conflict regions and the post-conflict regions behind them."""
+"""Conflict regions and the post-conflict regions behind them, from the bands that bodies sweep (F&L 1991, §2)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
-from sumo_reactive.driver.geometry.polyline import Points
+import numpy as np
+import shapely
+
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
+from sumo_reactive.driver.parameters import (
+    HOLD_BACK_REACH_M,
+    MIN_REGION_AREA_M2,
+    MIN_TAIL_M,
+    REGION_STEP_M,
+    SEPARATE_LEVELS_M,
+    SWEPT_WIDTH_M,
+    TAIL_REACH_M,
+    UNDECLARED_REGION_AREA_M2,
+)
+from sumo_reactive.driver.world.junction import Connection, Junction
 
 
 class ConflictKind(Enum):
@@ -62,3 +78,167 @@ class ConflictRegion:
     other: Interval
     polygon: Points
     post: PostConflictRegion
+
+
+_ARC_SEGMENTS = 3  # per quarter circle: within 4 cm of a round joint of 1.1 m radius
+
+
+def conflict_regions(owns: Sequence[Connection], junction: Junction) -> dict[str, tuple[ConflictRegion, ...]]:
+    """Return the conflict regions of each of `owns` (connections of `junction`) by its id, in order of their start."""
+    if not owns:
+        return {}
+    points, path_numbers = _indexed_points(junction.connections)
+    lines = shapely.linestrings(points, indices=path_numbers)
+    widths = [connection.width if connection.is_crossing else SWEPT_WIDTH_M for connection in junction.connections]
+    sweeps = _bands(lines, 0.5 * np.array(widths), _ARC_SEGMENTS)
+    position = {connection.id: i for i, connection in enumerate(junction.connections)}
+    return {own.id: _regions_of(position[own.id], junction, lines, sweeps) for own in owns}
+
+
+def _bands(lines: Any, half_widths: Any, arc_segments: int = 8) -> Any:
+    """Return the areas swept along `lines` up to `half_widths` m on each side, valid ones.
+
+    With flat ends, the outline that GEOS draws of a hairpin crosses itself where the legs are nearer to each other than the
+    band is wide. The structure of its rings, not its lines, then tells what is inside: both legs, and where they overlap.
+    """
+    bands = shapely.buffer(lines, half_widths, cap_style="flat", quad_segs=arc_segments)
+    if np.all(shapely.is_valid(bands)):
+        return bands
+    return shapely.make_valid(bands, method="structure", keep_collapsed=False)
+
+
+def _indexed_points(connections: Sequence[Connection]) -> tuple[Points, Any]:
+    """Return the points of all paths with their heads and tails (n, 2), and the number of each one's path, shape (n,)."""
+    points = [joined([part for part in (c.head, c.path.points, c.tail) if part is not None]) for c in connections]
+    return np.concatenate(points), np.repeat(np.arange(len(points)), [len(part) for part in points])
+
+
+def inside_part(spine: Polyline, outline: Points) -> Points | None:
+    """Return the first part of a lane, points (k, 2), that lies inside a junction's outline (n, 2); None if it is short.
+
+    Some maps let an edge begin in the middle of its junction: traffic on it then still crosses the others.
+    """
+    reach = np.arange(0.0, min(spine.length, TAIL_REACH_M), REGION_STEP_M)
+    points = np.array([spine.at(s) for s in reach])
+    if len(outline) < 3 or len(points) == 0:
+        return None
+    inside = shapely.contains_xy(shapely.polygons(outline), points)
+    length = len(points) if inside.all() else int(np.argmin(inside))
+    return points[:length] if length * REGION_STEP_M >= MIN_TAIL_M else None
+
+
+def hold_back(approach: Polyline, ways: Sequence[Points]) -> tuple[float, tuple[int, ...]]:
+    """Return how far before the end of an approach lane (m) a body must stop to stay out of the bands swept along `ways`,
+    and the numbers of the ways that reach over it.
+
+    `ways` are paths of traffic from other roads, each with the start of the lane behind it. On most maps none of them
+    reaches over the stop line.
+    """
+    start = max(approach.length - HOLD_BACK_REACH_M, 0.0)
+    line = shapely.linestrings(cut(approach, start, approach.length))
+    band = _bands(line, 0.5 * SWEPT_WIDTH_M)
+    near = [i for i, way in enumerate(ways) if _bounds_meet(band.bounds, way)]
+    if not near:
+        return 0.0, ()
+    bands = _bands([shapely.linestrings(ways[i]) for i in near], 0.5 * SWEPT_WIDTH_M)
+    overlaps = shapely.intersection(band, bands)
+    found = {i: part for i, part in zip(near, overlaps, strict=True) if part.area > UNDECLARED_REGION_AREA_M2}
+    if not found:
+        return 0.0, ()
+    corners = shapely.points(shapely.get_coordinates(list(found.values())))
+    return float(line.length - shapely.line_locate_point(line, corners).min()), tuple(found)
+
+
+def _bounds_meet(bounds: tuple[float, ...], way: Points) -> bool:
+    (x0, y0), (x1, y1) = way.min(axis=0) - SWEPT_WIDTH_M, way.max(axis=0) + SWEPT_WIDTH_M
+    return bool(x0 < bounds[2] and bounds[0] < x1 and y0 < bounds[3] and bounds[1] < y1)
+
+
+def _regions_of(i: int, junction: Junction, lines: Any, sweeps: Any) -> tuple[ConflictRegion, ...]:
+    own = junction.connections[i]
+    overlaps = shapely.intersection(sweeps[i], sweeps)
+    areas = shapely.area(overlaps)
+    found = []
+    for j, other in enumerate(junction.connections):
+        kind = conflict_kind(own, other)
+        if j == i or not _meet(own, other, kind, areas[j], junction):
+            continue
+        overlap = _main_part(overlaps[j], kind, lines[i]) if areas[j] > 0.0 else _touch(own, kind)
+        if not _on_separate_levels(own, other, overlap):
+            found.append(_region(own, other, kind, overlap, (lines[i], lines[j])))
+    return tuple(sorted(found, key=lambda region: (region.own.start, region.other_id)))
+
+
+def conflict_kind(own: Connection, other: Connection) -> ConflictKind:
+    """Return how two paths meet, if they meet."""
+    if own.from_lane == other.from_lane:
+        return ConflictKind.DIVERGING
+    return ConflictKind.MERGING if own.to_lane == other.to_lane else ConflictKind.CROSSING
+
+
+def _meet(own: Connection, other: Connection, kind: ConflictKind, area: float, junction: Junction) -> bool:
+    """Whether an overlap of `area` m² is a conflict: paths that share an end always meet, declared foes mostly do."""
+    if kind is not ConflictKind.CROSSING:
+        return True
+    table = junction.right_of_way
+    declared = table.in_conflict(own.index, other.index) or table.in_conflict(other.index, own.index)
+    return area > (MIN_REGION_AREA_M2 if declared else UNDECLARED_REGION_AREA_M2)
+
+
+def _main_part(overlap: Any, kind: ConflictKind, line: Any) -> Any:
+    """Reduce an overlap in several parts to one polygon: the part at the shared start, or the hull of all."""
+    areas = [part for part in shapely.get_parts(overlap) if part.area > 0.0]
+    if len(areas) == 1:
+        return areas[0]
+    if kind is ConflictKind.DIVERGING:
+        start = shapely.get_point(line, 0)
+        return min(areas, key=lambda part: float(part.distance(start)))
+    return shapely.convex_hull(shapely.multipolygons(areas))
+
+
+def _touch(own: Connection, kind: ConflictKind) -> Any:
+    """Return the area (half a body wide around) of the end that two paths share although their sweeps are disjoint."""
+    s = 0.0 if kind is ConflictKind.DIVERGING else own.path.length
+    return shapely.buffer(shapely.points(*own.path.at(s)), 0.5 * SWEPT_WIDTH_M, quad_segs=_ARC_SEGMENTS)
+
+
+def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any, lines: tuple[Any, Any]) -> ConflictRegion:
+    outline = shapely.points(shapely.get_coordinates(shapely.segmentize(overlap, REGION_STEP_M)))
+    own_stretch = _stretch(lines[0], outline, kind, own.hold_back)
+    region_id = f"{own.id}|{other.id}"
+    return ConflictRegion(
+        id=region_id,
+        kind=kind,
+        own_id=own.id,
+        other_id=other.id,
+        own=own_stretch,
+        other=_stretch(lines[1], outline, kind, other.hold_back),
+        polygon=shapely.get_coordinates(shapely.get_exterior_ring(overlap))[:-1],
+        post=PostConflictRegion(own.id, own_stretch.end, region_id),
+    )
+
+
+def _stretch(line: Any, outline: Any, kind: ConflictKind, head: float) -> Interval:
+    """Return the arc lengths (m) over which a body's cross-section meets the area that the points `outline` enclose.
+
+    The `line` begins `head` m before the stop line, so that a region on the approach lane starts at a negative place.
+    """
+    s = shapely.line_locate_point(line, outline)
+    start = 0.0 if kind is ConflictKind.DIVERGING else float(s.min()) - head
+    end = (float(line.length) if kind is ConflictKind.MERGING else float(s.max())) - head
+    return Interval(start, max(start, end))
+
+
+def _on_separate_levels(own: Connection, other: Connection, overlap: Any) -> bool:
+    """Whether one path passes over the other where they overlap."""
+    middle = shapely.centroid(overlap)
+    own_height, other_height = _height(own, middle.x, middle.y), _height(other, middle.x, middle.y)
+    return own_height is not None and other_height is not None and abs(own_height - other_height) > SEPARATE_LEVELS_M
+
+
+def _height(connection: Connection, x: float, y: float) -> float | None:
+    """Return the elevation (m) of a connection's path where it is closest to (x, y); None in a flat network."""
+    if connection.heights is None:
+        return None
+    s, _ = connection.path.project(x, y)
+    return float(np.interp(s, connection.path.arc_lengths, connection.heights))

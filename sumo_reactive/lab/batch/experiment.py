@@ -17,7 +17,7 @@ from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, parameter
 from sumo_reactive.lab.schema import TomlTable, line_of, nearest, problem_at, read_toml
 from sumo_reactive.lab.task import Driver
-from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
+from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 
 OURS = ("seed", "step-length")
 """SUMO options that the experiment names in keys of their own."""

@@ -22,9 +22,8 @@ from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.simulation import started, versions
 from sumo_reactive.lab.task import Driver, Task, replay_command
-from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.config import INPUT_FILES, OUTPUT_FILES, read_config
 from sumo_reactive.sumo.input_files import inputs_of, words_of
-from sumo_reactive.sumo.option_names import INPUT_FILES, OUTPUT_FILES
 from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
 from sumo_reactive.sumo.session import is_road_car
 

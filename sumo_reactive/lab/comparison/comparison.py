@@ -12,13 +12,12 @@ from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs
 from sumo_reactive.lab.comparison.statistics import PairedDifference, paired_difference
 from sumo_reactive.lab.metric_names import OTHERS
 from sumo_reactive.lab.result import TrialResult
-from sumo_reactive.lab.runner import Ending, Outcome, Task, run_all
+from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.task import Driver
+from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import scratch
-from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
-from sumo_reactive.sumo.option_names import OUTPUT_FILES, canonical
 
 EGO_METRICS = (
     "arrived", "duration_s", "time_loss_s", "distance_m", "collisions", "min_time_to_collision_s",

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from sumo_reactive.errors import SimulationError
 from sumo_reactive.sumo.config import SumoConfig
-from sumo_reactive.sumo.ghosts import is_ghost
 from sumo_reactive.sumo.outputs import AS_READ, TripInfo, read_contacts, read_teleports, read_trips, silenced, trip_of
+from sumo_reactive.sumo.stand_ins import is_stand_in
 
 MG_PER_KG, MG_PER_G, M_PER_KM = 1e6, 1e3, 1e3
 _UNFINISHED, _UNDEPARTED = "tripinfo-output.write-unfinished", "tripinfo-output.write-undeparted"
@@ -100,7 +100,7 @@ def _contacts(path: Path, ego_id: str, departure: float) -> int:
 
 
 def _is_own(vehicle_id: str, ego_id: str) -> bool:
-    return vehicle_id == ego_id or is_ghost(vehicle_id)
+    return vehicle_id == ego_id or is_stand_in(vehicle_id)
 
 
 def _sums(trips: Sequence[TripInfo]) -> dict[str, float]:

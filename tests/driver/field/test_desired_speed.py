@@ -10,8 +10,8 @@ from helpers.curves import asked, driven, on_curve, plan_along, seen, straight
 from sumo_reactive.driver.field.executor import desired_speed, execute, room_to_brake
 from sumo_reactive.driver.field.velocity import cruise_speed
 from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
-from sumo_reactive.driver.nouns.plan import TimeConstraint
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour
 from sumo_reactive.driver.parameters import (
@@ -34,14 +34,19 @@ def snapshot(speed: float, **what):
     return seen(on_curve(ROAD.curve, FRONT, speed), ROAD, FRONT - CAR.front_overhang, **what)
 
 
-def stop_at(s: float):
+def stopping_at(s: float):
     """The plan with a stop at `s`."""
-    return asked(ROAD, StopAt(s, Reason.RED_LIGHT))
+    return asked(ROAD, stop_at(s, Reason.RED_LIGHT))
+
+
+def falling_in_behind(user_id: str):
+    """The plan with a slot behind somebody on the lane beside."""
+    return replace(asked(ROAD), constraints=(TimeConstraint(FRONT, reason=Reason.NO_GAP, behind=user_id),))
 
 
 def in_time(s: float, time: float):
     """The plan with the constraint (s, time)."""
-    return replace(asked(ROAD), time_constraints=(TimeConstraint(s, time),))
+    return replace(asked(ROAD), constraints=(TimeConstraint(s, time),))
 
 
 def test_a_free_road_leaves_any_room_to_stop():
@@ -50,7 +55,7 @@ def test_a_free_road_leaves_any_room_to_stop():
 
 @pytest.mark.parametrize("margin", [HARD_STOP_MARGIN_M, COARSE_STOP_MARGIN_M])
 def test_the_room_to_stop_ends_a_margin_before_the_stop(margin):
-    assert room_to_brake(snapshot(10.0), stop_at(50.0), margin) == pytest.approx(50.0 - margin - FRONT)
+    assert room_to_brake(snapshot(10.0), stopping_at(50.0), margin) == pytest.approx(50.0 - margin - FRONT)
 
 
 def test_the_room_to_stop_behind_a_leader_counts_the_way_in_which_he_can_stop_himself():
@@ -67,8 +72,8 @@ def test_half_of_a_narrow_gap_to_a_leader_is_room():
 def test_the_nearest_of_stop_and_leaders_bounds_the_room():
     near, far = Leader("near", 30.0, 0.0, 9.0), Leader("far", 60.0, 0.0, 9.0)
     for leaders in ((near, far), (far, near)):
-        assert room_to_brake(snapshot(10.0, leaders=leaders), stop_at(90.0)) == pytest.approx(20.0 - SAFE_GAP_M)
-        assert room_to_brake(snapshot(10.0, leaders=leaders), stop_at(20.0)) == pytest.approx(10.0 - HARD_STOP_MARGIN_M)
+        assert room_to_brake(snapshot(10.0, leaders=leaders), stopping_at(90.0)) == pytest.approx(20.0 - SAFE_GAP_M)
+        assert room_to_brake(snapshot(10.0, leaders=leaders), stopping_at(20.0)) == pytest.approx(10.0 - HARD_STOP_MARGIN_M)
 
 
 @pytest.mark.parametrize("profile", [{}, {"nine_commands": True}], ids=["fine grid", "nine commands"])
@@ -88,7 +93,7 @@ def test_the_next_time_constraint_bounds_the_speed():
 
 def test_a_time_constraint_that_is_behind_bounds_nothing():
     passed, ahead = TimeConstraint(FRONT - 1.0, 1000.0), TimeConstraint(FRONT + 200.0, 25.0 + TIME_TOLERANCE_S)
-    completed = replace(asked(ROAD), time_constraints=(passed, ahead))
+    completed = replace(asked(ROAD), constraints=(passed, ahead))
     assert desired_speed(snapshot(8.0), completed, CAR, PERIOD).speed == pytest.approx(8.0)
 
 
@@ -113,7 +118,7 @@ def test_a_car_that_is_late_accelerates_towards_the_speed_that_is_in_time():
 def test_the_speed_before_a_stop_is_the_one_that_comfortable_braking_ends_before_its_line():
     away = 30.0
     asked_for = stopping_speed(away - STOP_LINE_MARGIN_M, CAR.comfort_deceleration, PERIOD)
-    wish = desired_speed(snapshot(asked_for), stop_at(FRONT + away), CAR, PERIOD)
+    wish = desired_speed(snapshot(asked_for), stopping_at(FRONT + away), CAR, PERIOD)
     assert wish == (pytest.approx(asked_for), False, "")
 
 
@@ -133,31 +138,31 @@ def test_a_longer_headway_is_kept_where_the_instruction_says_so():
 
 
 def test_the_instructions_top_speed_is_kept():
-    calm = replace(asked(ROAD), tuning=Tuning(Weights(1.0, 1.0, 1.0), VelocityProfile(top_speed=5.0)))
+    calm = replace(asked(ROAD), constraints=(TimeConstraint(FRONT, speed=5.0, reason=Reason.GAP_LOST),))
     assert desired_speed(snapshot(5.0), calm, CAR, PERIOD).speed == 5.0
 
 
 def test_who_drives_ahead_in_the_slot_that_the_ego_seeks_is_followed_closely():
     other = car_at("x", FRONT + 12.0, 3.2, 0.0, 5.0)
     around = snapshot(9.0)._replace(neighbours=(Neighbour(car_at("y", 0.0, 3.2, 0.0, 1.0), -5.0), Neighbour(other, 12.0)))
-    completed = replace(asked(ROAD), slot="x")
+    completed = falling_in_behind("x")
     asked_for = following_speed(12.0 - other.body.length, 5.0, CAR.comfort_deceleration, SLOT_HEADWAY_S)
     wish = desired_speed(around, completed, CAR, PERIOD)
     assert wish.speed == pytest.approx(max(asked_for, 9.0 - CAR.comfort_deceleration * PERIOD))
-    assert desired_speed(around, replace(completed, slot="gone"), CAR, PERIOD).speed > 9.0
+    assert desired_speed(around, falling_in_behind("gone"), CAR, PERIOD).speed > 9.0
 
 
 @pytest.mark.parametrize("away", [1.0, 6.0])
 def test_a_stop_that_planned_braking_misses_is_named_and_does_not_wait(away):
-    wish = desired_speed(snapshot(13.0), stop_at(FRONT + away), CAR, PERIOD)
+    wish = desired_speed(snapshot(13.0), stopping_at(FRONT + away), CAR, PERIOD)
     assert (wish.is_pressing, wish.hazard) == (True, STOP_PLACE)
     assert wish.speed < 13.0 - CAR.planned_deceleration * PERIOD
 
 
 def test_the_nearest_hazard_is_the_one_that_is_named():
     leader = Leader("x", FRONT + 4.0, 0.0, 9.0)
-    assert desired_speed(snapshot(13.0, leaders=(leader,)), stop_at(FRONT + 15.0), CAR, PERIOD).hazard == "x"
+    assert desired_speed(snapshot(13.0, leaders=(leader,)), stopping_at(FRONT + 15.0), CAR, PERIOD).hazard == "x"
 
 
 def test_the_desired_speed_is_never_negative():
-    assert desired_speed(snapshot(0.0), stop_at(FRONT - 1.0), CAR, PERIOD).speed == 0.0
+    assert desired_speed(snapshot(0.0), stopping_at(FRONT - 1.0), CAR, PERIOD).speed == 0.0

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
@@ -49,7 +50,7 @@ cars = st.builds(car_at, st.just("x"), st.floats(0, 40), st.floats(-8, 8), st.fl
 def test_no_command_breaks_a_limit_whatever_the_situation(speed, angle, heading, offset, period, users, stop, nine):
     pose = Pose(10.0, offset, heading)
     before = VehicleState(pose, speed, angle, 0.0)
-    completed = asked(ROAD, None if stop is None else StopAt(10.0 + stop, Reason.RED_LIGHT))
+    completed = asked(ROAD, None if stop is None else stop_at(10.0 + stop, Reason.RED_LIGHT))
     execution = execute(seen(before, ROAD, 12.0, users), completed, CAR, period, nine_commands=nine)
     after, command = execution.state, execution.command
     assert -CAR.emergency_deceleration <= command.acceleration <= CAR.max_acceleration
@@ -96,7 +97,7 @@ def test_a_free_car_reaches_the_speed_of_the_road_and_keeps_it():
 def test_it_stops_before_a_stop_from_any_speed_at_which_it_can(speed, distance, period):
     assume(speed * period + speed**2 / (2.0 * CAR.emergency_deceleration) < distance - 0.2)
     plan = plan_along(straight(), 25.0)
-    stop = StopAt(10.0 + distance, Reason.RED_LIGHT)
+    stop = stop_at(10.0 + distance, Reason.RED_LIGHT)
     end = [
         (snapshot.front, execution.state.speed)
         for snapshot, execution in driven(plan, on_curve(plan.curve, 10.0, speed), lambda _: asked(plan, stop), 40.0, period)
@@ -108,7 +109,7 @@ def test_it_stops_before_a_stop_from_any_speed_at_which_it_can(speed, distance, 
 
 @pytest.mark.parametrize("distance", [50.0, 70.0, 100.0])
 def test_it_stops_comfortably_when_it_has_room_to(distance):
-    stop = StopAt(10.0 + distance, Reason.RED_LIGHT)
+    stop = stop_at(10.0 + distance, Reason.RED_LIGHT)
     end = driven(ROAD, on_curve(ROAD.curve, 10.0, 13.0), lambda _: asked(ROAD, stop), 30.0)
     assert min(execution.state.acceleration for _, execution in end) >= -CAR.comfort_deceleration - 0.6
 
@@ -179,7 +180,7 @@ def braked(speed: float, stop: float | None = None, leader: Leader | None = None
     """Return the execution of a car with its front bumper at 10 m."""
     state = replace(on_curve(plan.curve, 10.0, speed), acceleration=acceleration)
     leaders = () if leader is None else (leader,)
-    completed = asked(plan, None if stop is None else StopAt(stop, Reason.RED_LIGHT))
+    completed = asked(plan, None if stop is None else stop_at(stop, Reason.RED_LIGHT))
     return execute(seen(state, plan, 9.0, leaders=leaders), completed, CAR, 0.1)
 
 
@@ -204,7 +205,7 @@ def test_a_stop_nearer_than_that_is_an_emergency_that_is_named(share):
 def test_planned_braking_for_a_late_stop_never_becomes_an_emergency(speed, room, period):
     """Neither the period nor the onset of braking uses up the way that was enough."""
     plan = plan_along(straight(), 25.0)
-    stop = StopAt(10.0 + room * speed**2 / (2.0 * PLANNED_DECELERATION) + HARD_STOP_MARGIN_M + 0.05, Reason.RED_LIGHT)
+    stop = stop_at(10.0 + room * speed**2 / (2.0 * PLANNED_DECELERATION) + HARD_STOP_MARGIN_M + 0.05, Reason.RED_LIGHT)
     trace = list(driven(plan, on_curve(plan.curve, 10.0, speed), lambda _: asked(plan, stop), 12.0, period))
     assert not any(execution.emergency for _, execution in trace)
     assert min(execution.state.acceleration for _, execution in trace) > -PLANNED_DECELERATION - 0.01

@@ -10,9 +10,10 @@ from helpers.curves import asked, on_curve, plan_along, seen, straight
 
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, steering_rate_limit, wide_grid
 from sumo_reactive.driver.field.executor import execute
-from sumo_reactive.driver.field.field import expand, mapped_valley, ramped, valley_at
+from sumo_reactive.driver.field.field import expand, leads_to, mapped_valley, ramped
 from sumo_reactive.driver.nouns.completed_plan import Tuning
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.parameters import (
     COMFORT_JERK,
@@ -73,13 +74,11 @@ def test_a_held_command_changes_speed_and_angle_in_equal_parts():
     assert ramped(1.0, 2.0, 0.3, 4.0, -0.1, 6.0, 0.2, L, 0.5) == pytest.approx((x, y, heading))
 
 
-def exact(d: float, heading: float, speed: float, angle: float, static: np.ndarray = NOTHING, period: float = 0.1) -> float:
-    """U₁ of a car whose front axle is `d` m to the left of a straight C."""
+def led_to(d: float, heading: float, speed: float, angle: float, period: float = 0.1) -> float:
+    """Where a car leads whose front axle is `d` m to the left of a straight C."""
     curve = ROAD.curve
     x, y = 50.0 - L * math.cos(heading), d - L * math.sin(heading)
-    return float(
-        valley_at(x, y, heading, speed, angle, L, period, curve.x, curve.y, curve.heading, curve.step, 50.0, static)
-    )
+    return float(leads_to(x, y, heading, speed, angle, L, period, curve.x, curve.y, curve.heading, curve.step, 50.0))
 
 
 def reach(speed: float) -> float:
@@ -88,20 +87,25 @@ def reach(speed: float) -> float:
 
 
 @pytest.mark.parametrize("speed", [0.0, 10.0, 20.0])
-def test_the_exact_valley_is_the_distance_after_the_look_ahead(speed):
-    assert exact(0.5, 0.0, speed, 0.0) == pytest.approx(0.5 * VALLEY_ATTRACTION)
-    assert exact(0.0, 0.1, speed, 0.0) == pytest.approx(reach(speed) * math.sin(0.1) * VALLEY_ATTRACTION)
-    assert exact(-0.4, 0.1, speed, 0.0) == pytest.approx(abs(reach(speed) * math.sin(0.1) - 0.4) * VALLEY_ATTRACTION)
+def test_a_command_leads_to_the_distance_after_the_look_ahead(speed):
+    assert led_to(0.5, 0.0, speed, 0.0) == pytest.approx(0.5)
+    assert led_to(0.0, 0.1, speed, 0.0) == pytest.approx(reach(speed) * math.sin(0.1))
+    assert led_to(-0.4, 0.1, speed, 0.0) == pytest.approx(reach(speed) * math.sin(0.1) - 0.4)
 
 
-def test_the_exact_valley_takes_the_velocity_of_the_front_axle_in_the_middle_of_the_period():
+def test_the_look_ahead_takes_the_velocity_of_the_front_axle_in_the_middle_of_the_period():
     turned = 0.5 * 10.0 * math.sin(0.05) / L * 0.1
-    assert exact(0.0, 0.0, 10.0, 0.05) == pytest.approx(reach(10.0) * math.sin(0.05 - turned) * VALLEY_ATTRACTION)
+    assert led_to(0.0, 0.0, 10.0, 0.05) == pytest.approx(reach(10.0) * math.sin(0.05 - turned))
 
 
-def test_an_obstacle_beside_the_front_axle_makes_the_exact_valley_steeper():
-    static = np.array([(50.0, 2.0)])
-    assert exact(0.5, 0.0, 5.0, 0.0, static) == pytest.approx(0.5 * VALLEY_ATTRACTION + 0.5 * VALLEY_REPULSION / 1.5)
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_an_obstacle_beside_the_body_makes_the_exact_valley_steeper(side):
+    """The side of the body is 1.1 m from it on C, half a metre off C 0.6 m on its side and 1.6 m on the other."""
+    static = np.array([(50.0, side * 2.0)])
+    for off, left in ((0.5, 0.6), (-0.5, 1.6)):
+        ego = replace(on_curve(ROAD.curve, 50.0, 1.0), pose=Pose(50.0 - CAR.wheelbase, side * off, 0.0))
+        found = execute(seen(ego, ROAD, 50.0, static=static), asked(ROAD), CAR, 0.01).potentials
+        assert found.valley == pytest.approx(0.5 * (VALLEY_ATTRACTION + VALLEY_REPULSION / left), rel=0.1)
 
 
 def expanded(speed: float, angle: float, acceleration: float, rate: float, room: float = math.inf, lateral: float = 0.0):
@@ -197,6 +201,6 @@ def test_the_wheels_are_held_where_no_steering_keeps_the_limits():
 
 def test_who_stands_and_has_to_stay_chooses_nothing():
     ego = replace(on_curve(ROAD.curve, 10.0, 0.0), steering_angle=0.1, acceleration=-1.0)
-    found = execute(seen(ego, ROAD, 9.0), asked(ROAD, StopAt(10.0, Reason.RED_LIGHT)), CAR, 0.1)
+    found = execute(seen(ego, ROAD, 9.0), asked(ROAD, stop_at(10.0, Reason.RED_LIGHT)), CAR, 0.1)
     assert found.command == Command(0.0, 0.0) and found.state == replace(ego, acceleration=0.0)
     assert found.potentials == (0.0, 0.0, 0.0, 0.0)

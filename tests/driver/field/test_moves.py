@@ -10,7 +10,8 @@ from helpers.curves import asked, plan_along, seen, straight
 
 from sumo_reactive.driver.field.executor import back_up, execute
 from sumo_reactive.driver.field.moves import moved_on
-from sumo_reactive.driver.nouns.decision import Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Move
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.parameters import BACK_UP_SPEED, MOVE_BACK_SPEED, MOVE_SPEED
@@ -110,7 +111,7 @@ def test_a_car_under_way_that_finds_somebody_in_its_way_brakes_in_comfort():
 def backed(ego: VehicleState, to: float | None):
     """The execution of backing up to a stop, None: none is named."""
     completed = replace(
-        asked(ROAD, None if to is None else StopAt(to, Reason.NO_ROOM_TO_PASS)), instruction=Instruction.BACK_UP
+        asked(ROAD, None if to is None else stop_at(to, Reason.NO_ROOM_TO_PASS)), instruction=Instruction.BACK_UP
     )
     return execute(seen(ego, ROAD, 42.0), completed, CAR, PERIOD), back_up(seen(ego, ROAD, 42.0), completed, CAR, PERIOD)
 

@@ -10,21 +10,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from sumo_reactive.driver.field.valley import taxicab_to_points, valley_potential
+from sumo_reactive.driver.field.valley import LEAST_ROOM_M, least_to_static, valley_potential
 from sumo_reactive.driver.field.valley_map import CELLS, map_potential, taxicab_transform, valley_bitmap, valley_map
 from sumo_reactive.driver.parameters import MAP_SIDE_M, VALLEY_ATTRACTION, VALLEY_REPULSION
 
+LINE = straight()
 places = st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
 CELL = 0.2
 MIDDLE = CELLS // 2
 
 
 def exact_section(obstacles: list[tuple[float, float]], offsets: np.ndarray) -> np.ndarray:
-    """U_p along a section across the line y = 0."""
-    static = np.array(obstacles).reshape(-1, 2)
-    return np.array(
-        [valley_potential(abs(y), taxicab_to_points(0.0, y, static), VALLEY_ATTRACTION, VALLEY_REPULSION) for y in offsets]
-    )
+    """U_p along a section across the line y = 0, of a body that is but a point."""
+    left, right = to_static((0.0, 0.0), obstacles)
+    away = np.minimum(left - offsets, right + offsets)
+    places = zip(np.abs(offsets), away, strict=True)
+    return np.array([valley_potential(d, o, VALLEY_ATTRACTION, VALLEY_REPULSION) for d, o in places])
+
+
+def to_static(place: tuple[float, float], obstacles: list[tuple[float, float]], half: float = 0.0) -> tuple[float, float]:
+    """Least distance to obstacles left and right of a body at `place`; C runs eastwards through it."""
+    c, static = LINE, np.array(obstacles).reshape(-1, 2)
+    return least_to_static(static, c.x - 200.0 + place[0], c.y + place[1], c.heading, c.step, 200.0, half, 0.0, 0.0)
 
 
 @given(st.lists(places, max_size=8))
@@ -40,10 +47,33 @@ def test_an_obstacle_makes_its_side_of_the_valley_steeper():
     assert section[0] == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 3.0)
 
 
-@given(places, st.lists(places, min_size=1, max_size=10))
-def test_the_distance_to_obstacles_is_the_taxicab_one_to_the_nearest(place, obstacles):
-    nearest = min(abs(x - place[0]) + abs(y - place[1]) for x, y in obstacles)
-    assert taxicab_to_points(*place, np.array(obstacles)) == pytest.approx(nearest)
+@given(places, st.lists(places, min_size=1, max_size=10), st.floats(0.0, 1.0))
+def test_the_distance_to_obstacles_is_the_taxicab_one_from_the_body_to_the_nearest_on_either_side(place, obstacles, half):
+    away = [(abs(x - place[0]) + abs(y - place[1]) - half, y > place[1]) for x, y in obstacles]
+    nearest = [min((d for d, is_left in away if is_left is side), default=math.inf) for side in (True, False)]
+    assert to_static(place, obstacles, half) == pytest.approx(nearest, abs=1e-6)
+
+
+def test_beside_a_long_body_no_way_along_it_counts():
+    along = LINE.x, LINE.y, LINE.heading, LINE.step, 100.0, 0.9
+    static = np.array([(97.0, 2.0), (104.0, -3.0)])
+    assert least_to_static(static, *along, 3.0, 3.0) == pytest.approx((1.1, 3.1))
+
+
+@given(st.floats(-0.1, 0.1), st.floats(0.0, 12.0), st.floats(1.0, 3.0))
+def test_in_a_bend_the_distance_to_a_border_is_taken_across_c(bend, ahead, aside):
+    curve = turning([60.0], [bend])
+    x, y, heading = curve.at(30.0 + ahead)
+    border = np.array([(x - aside * math.sin(heading), y + aside * math.cos(heading))])
+    left, right = least_to_static(border, curve.x, curve.y, curve.heading, curve.step, 30.0, 0.9, 12.0, 0.0)
+    assert left == pytest.approx(aside - 0.9, abs=0.1)
+    assert right == math.inf
+
+
+def test_at_an_obstacle_the_valley_is_steep_but_finite():
+    assert valley_potential(1.0, -1.0, VALLEY_ATTRACTION, VALLEY_REPULSION) == pytest.approx(
+        VALLEY_ATTRACTION + VALLEY_REPULSION / LEAST_ROOM_M
+    )
 
 
 @given(

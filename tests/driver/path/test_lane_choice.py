@@ -26,7 +26,7 @@ ABC = Route(("a", "b", "c"))
 
 def test_a_lane_that_ends_needs_as_many_changes_as_there_are_lanes_between() -> None:
     choice = choose_lanes(three_edges(), ABC, "passenger")
-    assert [choice.outlook(0, k).changes for k in range(3)] == [0, 1, 2]
+    assert [choice.best[0][k].changes for k in range(3)] == [0, 1, 2]
 
 
 def test_the_car_stays_on_its_lane_until_the_last_edge_that_leads_on() -> None:
@@ -60,8 +60,8 @@ def test_a_change_opens_only_where_the_neighbour_lane_leads_there() -> None:
 def test_lanes_closed_to_the_class_are_not_used() -> None:
     a, b = road("a", [(0, 0), (200, 0)], 2, closed=[0]), road("b", [(201, 0), (300, 0)], 1)
     world = graph([a, b], [("a_0", "b_0")])
-    assert choose_lanes(world, Route(("a", "b")), "passenger").outlook(0, 1).cost == math.inf
-    assert choose_lanes(world, Route(("a", "b")), "bus").outlook(0, 1).changes == 1
+    assert choose_lanes(world, Route(("a", "b")), "passenger").best[0][1].cost == math.inf
+    assert choose_lanes(world, Route(("a", "b")), "bus").best[0][1].changes == 1
 
 
 def test_a_route_without_a_lane_sequence_names_the_edges_where_it_breaks() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from planner_roads import CAR, corner, graph, road, start_on
 
-from sumo_reactive.driver.nouns.plan import TimeConstraint
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.path.planner import plan
 from sumo_reactive.driver.path.time_constraints import accelerating_from, braking_to, retimed
 from sumo_reactive.driver.world.route import Route, ScheduledStop

@@ -11,7 +11,7 @@ from planner_roads import CAR, corner, graph, road, start_on
 
 from sumo_reactive.driver.geometry.polyline import Polyline, joined
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.path.centring import centred
+from sumo_reactive.driver.path.aside import centred
 from sumo_reactive.driver.path.planner import plan
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.road_graph import RoadGraph

@@ -7,7 +7,7 @@ import pytest
 from planner_roads import CAR, graph, road, start_on
 
 from sumo_reactive.driver.path.planner import plan
-from sumo_reactive.driver.path.turnaround import ATTEMPTS, SPARE_M, turn_in_moves
+from sumo_reactive.driver.path.turnaround import ATTEMPTS, OFF_ROAD_SPARE_M, turn_in_moves
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -50,7 +50,7 @@ def test_a_car_turns_round_on_a_narrow_road_and_its_bumpers_hardly_leave_it(leng
     poses = list(driven(turn, limits))
     side = -1.0 if left_hand else 1.0
     for ahead, more in ((limits.front_to_rear_axle, 0.0), (-limits.rear_overhang, max(a[2] for a in ATTEMPTS))):
-        beyond = 0.5 * limits.width - SPARE_M + more + 0.1
+        beyond = 0.5 * limits.width - OFF_ROAD_SPARE_M + more + 0.1
         across = [side * (y + ahead * math.sin(h)) for x, y, h in poses]
         assert min(across) > -0.5 * WIDTH - beyond
         assert max(across) < 1.5 * WIDTH + beyond

@@ -9,9 +9,9 @@ from helpers.curves import on_curve, plan_along, seen, straight
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.assessment import Assessment, Outcome
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.forecast import Forecast
-from sumo_reactive.driver.nouns.plan import TimeConstraint
 from sumo_reactive.driver.parameters import ASSESSED_S, EXCESSIVE_DELAY_S
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.view.foresee import NOBODY
@@ -80,7 +80,7 @@ def test_somebody_who_comes_on_the_other_lane_is_no_failure():
 
 
 def test_a_stop_that_nothing_can_put_off_is_taken_into_account():
-    stop = StopAt(40.0, Reason.RED_LIGHT)
+    stop = stop_at(40.0, Reason.RED_LIGHT)
     assert going_on(crosser(50.0, 20.0, 5.0), stop=stop).outcome is not Outcome.FAILURE
 
 

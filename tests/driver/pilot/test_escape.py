@@ -1,16 +1,16 @@
 """Leaving local minima: room, backing up, a new curve, more commands, and who is to blame (F&L 1991, §3.3)."""
 
-
 from dataclasses import replace
 
 import pytest
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning
-from sumo_reactive.driver.nouns.decision import Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.parameters import HALTED_ROOM_M
-from sumo_reactive.driver.pilot.escape import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 
 STREET = ("eastbound", "eastbound_out")
 STUCK = (Event(EventKind.NO_PROGRESS),)
@@ -94,7 +94,7 @@ def test_a_queue_has_the_right_to_block_the_ego():
 
 def test_a_red_light_has_the_right_to_block_the_ego():
     ego, _ = standing(3.0)
-    assert escape(ego.considered(events=STUCK, stop=StopAt(5.0, Reason.RED_LIGHT))) is None
+    assert escape(ego.considered(events=STUCK, stop=stop_at(5.0, Reason.RED_LIGHT))) is None
 
 
 def test_when_nobody_blocks_the_ego_a_new_curve_comes_first_and_then_a_wider_grid():

@@ -20,7 +20,7 @@ from sumo_reactive.driver.parameters import (
     MERGE_GAP_S,
     STANDING_SPEED,
 )
-from sumo_reactive.driver.pilot.gaps import (
+from sumo_reactive.driver.pilot.rules.gaps import (
     Passing,
     Threat,
     gap_for_follower,

@@ -10,7 +10,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.forecast import Queue, Queued
-from sumo_reactive.driver.nouns.plan import Aside, WayBeside
+from sumo_reactive.driver.nouns.plan import Aside, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.driver.parameters import (
@@ -21,9 +21,9 @@ from sumo_reactive.driver.parameters import (
     TURNER_WAIT_S,
     TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.held_up import expected_wait, leave_queue, released
-from sumo_reactive.driver.pilot.lane_changing import LaneChanging
+from sumo_reactive.driver.pilot.behaviours.changing_queues import expected_wait, leave_queue, released
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
+from sumo_reactive.driver.pilot.situation import LaneChanging
 
 BODY = Body(4.7, 1.8, 9.0, 50.0)
 
@@ -68,7 +68,7 @@ def test_turners_who_have_to_let_others_go_first_add_to_the_wait(turners):
     assert expected_wait(queue(*users), 0.0) == expected
 
 
-WAY = WayBeside("from_south_1", "from_south_0", -1, 1.0)
+WAY = ParallelLane("from_south_1", "from_south_0", -1, 1.0)
 
 
 def at_the_lights(away=50.0):

@@ -3,9 +3,10 @@
 import pytest
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.parameters import HARD_STOP_MARGIN_M, YELLOW_DECELERATION
-from sumo_reactive.driver.pilot.lights import has_passed
+from sumo_reactive.driver.pilot.rules.lights import has_passed
 
 CROSSING = "signalised_left_turns"
 STRAIGHT = ("from_south", "to_north")
@@ -17,7 +18,7 @@ def letters(letter: str, link: int) -> dict[str, str]:
     return {"centre": "G" * link + letter + "G" * (LINKS - link - 1)}
 
 
-def stop_for(letter: str, away: float, speed: float) -> StopAt | None:
+def stop_for(letter: str, away: float, speed: float) -> TimeConstraint | None:
     ego = before(CROSSING, STRAIGHT, away, speed)
     return ego.stop(lights=letters(letter, ego.connection.light.index))
 

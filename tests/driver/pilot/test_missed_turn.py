@@ -5,19 +5,20 @@ from __future__ import annotations
 import pytest
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.parameters import AT_LANE_END_M, CREEPING_SPEED, MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.pilot.behaviours.taking_another_way import is_missed, waiting_since
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.missed_turn import is_missed, waiting_since
 
 EGO = before("blocked_lane", ("eastbound", "eastbound_out"), 60.0, 0.5)
 SNAPSHOT = EGO.seen()
 
 
-def stop(away: float = 2.0, reason: Reason = Reason.NO_GAP) -> StopAt:
+def stop(away: float = 2.0, reason: Reason = Reason.NO_GAP) -> TimeConstraint:
     """A place to stop at, `away` m ahead."""
-    return StopAt(SNAPSHOT.front + away, reason)
+    return stop_at(SNAPSHOT.front + away, reason)
 
 
 def test_who_creeps_or_stands_for_want_of_a_gap_waits_from_now_on():

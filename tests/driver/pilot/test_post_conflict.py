@@ -3,8 +3,9 @@
 import pytest
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
-from sumo_reactive.driver.pilot.post_conflict import is_clear_at, wait_before
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, wait_before
 
 NORTH = ("from_south", "to_north")
 
@@ -16,7 +17,7 @@ def moved(away: float, speed: float, behind: float, reason: Reason) -> float | N
     way, conflicts = situation.ways[0], situation.ahead[0][2]
     clear = is_clear_at(way, conflicts, situation.limits)
     assert clear is not None
-    stop = StopAt(clear + behind, reason)
+    stop = stop_at(clear + behind, reason)
     found = wait_before(way, conflicts, (stop,), situation.snapshot, situation.memory, situation.limits)
     return None if found is None else found.s - ego.line
 
@@ -36,3 +37,12 @@ def test_a_stop_of_the_route_is_made_where_the_route_says():
 
 def test_who_can_no_longer_stop_before_the_line_goes_on():
     assert moved(3.0, 8.0, -1.0, Reason.NO_GAP) is None
+
+
+def test_of_several_stops_inside_the_nearest_is_the_one_that_is_moved_before_the_line():
+    ego = before("four_way_priority", NORTH, 20.0, 5.0)
+    situation = ego.considered()
+    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    stops = [stop_at(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
+    found = wait_before(way, conflicts, stops, situation.snapshot, situation.memory, situation.limits)
+    assert found == stop_at(ego.line, Reason.NO_GAP, cause="4 m")

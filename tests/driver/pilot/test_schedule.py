@@ -21,7 +21,7 @@ def planned(ego):
     """The pilot's memory of a plan that it has accepted when it was on time."""
     on_time = before("four_way_priority", ("from_west", "to_east"), 120.0, 10.0)
     memory = on_time.step().drive.memory
-    return memory._replace(premises=memory.premises._replace(plan=ego.plan), constraints=ego.plan.time_constraints)
+    return memory._replace(premises=memory.premises._replace(plan=ego.plan), schedule=ego.plan.time_constraints)
 
 
 def later_by(ego, found) -> list[float]:
@@ -64,7 +64,7 @@ def test_constraints_behind_the_front_bumper_are_dropped(ego, planned):
 def test_a_new_plan_brings_its_own_constraints(ego, planned):
     other = before("four_way_priority", ("from_west", "to_east"), 100.0, 10.0)
     found, _, memory = adjusted(other.seen(), other.plan, planned, (), Delays.SHIFT)
-    assert found == memory.constraints == other.plan.time_constraints
+    assert found == memory.schedule == other.plan.time_constraints
 
 
 @pytest.mark.parametrize("delays", Delays)
@@ -73,6 +73,6 @@ def test_after_a_wait_the_controller_aims_at_times_that_can_be_met(delays):
     ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 300.0, 10.0)
     queue = ego.ahead("queue", 20.0, 0.0)
     steps = ego.driven_among(lambda t: [queue] if t < 14.0 else [], 16.0, delays=delays)
-    held = steps[-1].drive.completed.time_constraints
+    held = steps[-1].drive.completed.constraints
     assert held[0].time >= ego.plan.time_constraints[0].time + 5.0
     assert [c.s for c in held] == [c.s for c in ego.plan.time_constraints]

@@ -1,10 +1,12 @@
 """Stopping at a location: where the route says, for as long as it says (F&L 1991, §2)."""
 
+from itertools import pairwise
+
 import pytest
-from helpers.situations import before
+from helpers.situations import PERIOD, before
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Reason
-from sumo_reactive.driver.parameters import STANDING_SPEED
+from sumo_reactive.driver.parameters import PLANNED_DECELERATION, STANDING_SPEED
 from sumo_reactive.driver.world.route import ScheduledStop
 
 ROUTE = ("from_west", "to_east")
@@ -35,6 +37,18 @@ def test_a_scheduled_stop_is_served_for_its_duration_and_then_left():
     assert 0.0 < place - halted.snapshot.front < 1.0
     assert DURATION <= stands[-1] - stands[0] < DURATION + 1.0
     assert steps[-1].snapshot.front > place + 5.0
+
+
+def test_a_stop_just_behind_a_joint_where_nobody_crosses_is_seen_before_it_and_braked_for_softly():
+    behind = (ScheduledStop("road_after_exit_0", 6.0, DURATION),)
+    ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 150.0, 13.0, stops=behind)
+    steps = ego.driven(18.0)
+    seen = next(step for step in steps if step.completed.stop is not None)
+    assert seen.completed.behaviour is Behaviour.STOPPING
+    assert seen.snapshot.front < ego.line
+    speeds = [step.snapshot.ego.speed for step in steps]
+    assert max(a - b for a, b in pairwise(speeds)) < PLANNED_DECELERATION * PERIOD
+    assert min(speeds) < STANDING_SPEED
 
 
 def test_a_scheduled_stop_lasts_at_least_until_its_time():

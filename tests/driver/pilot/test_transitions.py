@@ -3,9 +3,11 @@
 import pytest
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason, StopAt
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
 from sumo_reactive.driver.pilot.transitions import RULES, TRANSITIONS, next_behaviour
+from sumo_reactive.driver.world.route import ScheduledStop
 
+WEST_EAST = ("from_west", "to_east")
 SOUTH_NORTH = ("from_south", "to_north")
 
 
@@ -51,12 +53,11 @@ def test_a_behaviour_goes_on_until_its_postconditions_hold():
 
 
 def test_a_stop_of_the_route_goes_before_cautious_driving():
-    near = before("four_way_priority", SOUTH_NORTH, 20.0, 8.0)
-    stop = StopAt(10.0, Reason.SCHEDULED_STOP)
-    assert in_behaviour(near, Behaviour.CAUTIOUS, stop=stop) is Behaviour.STOPPING
+    near = before("four_way_priority", WEST_EAST, 40.0, 8.0, stops=(ScheduledStop("from_west_0", 120.0, 4.0),))
+    assert in_behaviour(near, Behaviour.CAUTIOUS) is Behaviour.STOPPING
 
 
 def test_no_behaviour_interrupts_an_overtaking():
-    near = before("four_way_priority", SOUTH_NORTH, 20.0, 8.0).passing("x", Instruction.OVERTAKE)
-    stop = StopAt(10.0, Reason.SCHEDULED_STOP)
-    assert in_behaviour(near, Behaviour.OVERTAKING, stop=stop) is Behaviour.OVERTAKING
+    near = before("four_way_priority", WEST_EAST, 40.0, 8.0, stops=(ScheduledStop("from_west_0", 120.0, 4.0),))
+    near = near.passing("x", Instruction.OVERTAKE)
+    assert in_behaviour(near, Behaviour.OVERTAKING) is Behaviour.OVERTAKING

@@ -9,7 +9,8 @@ from helpers.situations import before
 
 from sumo_reactive.driver.controller import Controller, replanned
 from sumo_reactive.driver.nouns.completed_plan import Replanning
-from sumo_reactive.driver.nouns.decision import Reason, StopAt
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import Move, Turnaround
 from sumo_reactive.driver.parameters import (
     MOVE_BACK_SPEED,
@@ -18,7 +19,7 @@ from sumo_reactive.driver.parameters import (
     TURNAROUND_PATIENCE_S,
     WHEELS_TURNED_RAD,
 )
-from sumo_reactive.driver.pilot.turning_round import place_to_begin, turn_round
+from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6
@@ -75,7 +76,7 @@ def test_after_the_last_move_the_pilot_asks_for_a_curve_on_the_lane_turned_into(
 def test_the_ego_does_not_begin_while_another_place_keeps_it_there():
     ego, turn = turning(1.0, 0.0)
     snapshot = ego.seen()
-    stops = (StopAt(turn.line, Reason.RED_LIGHT), StopAt(turn.end + 3.0, Reason.RED_LIGHT), StopAt(60.0, Reason.YIELD_TO))
+    stops = (stop_at(turn.line, Reason.RED_LIGHT), stop_at(turn.end + 3.0, Reason.RED_LIGHT), stop_at(60.0, Reason.YIELD_TO))
     for stop, begins in zip((None, *stops), (True, False, False, True), strict=True):
         assert (turn_round(snapshot, ego.plan, stop, ego.memory) is not None) is begins
 

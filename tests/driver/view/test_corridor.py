@@ -10,7 +10,7 @@ from helpers.curves import STEP, straight, turning
 
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
-from sumo_reactive.driver.view.corridor import Band, band_of, blocked_stretches
+from sumo_reactive.driver.view.corridor import CorridorSides, band_of, blocking_ones
 
 BUS = replace(CAR, length=12.0, width=2.5, wheelbase=7.2, front_overhang=2.16)
 
@@ -18,15 +18,16 @@ HALF = 1.1
 """m; half the ego's width and the margin."""
 
 
-def even(curve: Curve) -> Band:
+def even(curve: Curve) -> CorridorSides:
     """A corridor of HALF on either side."""
-    return Band(np.full(len(curve.x), HALF), np.full(len(curve.x), HALF), HALF)
+    return CorridorSides(np.full(len(curve.x), HALF), np.full(len(curve.x), HALF), HALF)
 
 
 def blocked(curve: Curve, *box: float, start: float = 0.0, end: float = 100.0) -> list[float]:
     """First and last arc length that the box (front x, y, heading, speed, length, width) blocks, velocity along, across."""
     boxes = np.array([box])
-    return blocked_stretches(boxes, curve.x, curve.y, curve.heading, curve.step, start, end, *even(curve))[0].tolist()
+    _, found = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, start, end, *even(curve))
+    return found[0].tolist() if len(found) else [math.nan] * 4
 
 
 STRAIGHT = straight(120.0)
@@ -99,8 +100,9 @@ def test_a_car_on_the_next_lane_of_a_bend_does_not_block(radius):
 
 def test_each_body_is_judged_on_its_own():
     boxes = np.array([(30.0, 0.0, 0.0, 5.0, 5.0, 1.8), (30.0, 9.0, 0.0, 5.0, 5.0, 1.8), (60.0, 0.0, 0.0, 5.0, 5.0, 1.8)])
-    found = blocked_stretches(boxes, STRAIGHT.x, STRAIGHT.y, STRAIGHT.heading, STEP, 0.0, 100.0, *even(STRAIGHT))[:, 0]
-    assert found == pytest.approx([25.0, np.nan, 55.0], nan_ok=True)
+    which, found = blocking_ones(boxes, STRAIGHT.x, STRAIGHT.y, STRAIGHT.heading, STEP, 0.0, 100.0, *even(STRAIGHT))
+    assert which.tolist() == [0, 2]
+    assert found[:, 0] == pytest.approx([25.0, 55.0])
 
 
 @pytest.mark.parametrize("radius", [8.0, 15.0, 40.0])
@@ -130,8 +132,7 @@ def test_a_bus_sees_who_waits_where_its_rear_cuts_a_left_turn():
     waiting = (20.0, 5.0, math.pi, 0.0, 5.0, 1.8)
     boxes = np.array([waiting])
     seen = [
-        blocked_stretches(boxes, bend.x, bend.y, bend.heading, bend.step, 0.0, 50.0, *band_of(bend, one))[0, 0]
+        blocking_ones(boxes, bend.x, bend.y, bend.heading, bend.step, 0.0, 50.0, *band_of(bend, one))[0].tolist()
         for one in (BUS, CAR)
     ]
-    assert math.isfinite(seen[0])
-    assert math.isnan(seen[1])
+    assert seen == [[0], []]

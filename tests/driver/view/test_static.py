@@ -7,7 +7,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Traffic
 from sumo_reactive.driver.parameters import STATIC_REACH_M
-from sumo_reactive.driver.view.perceive import front_axle, perceive
+from sumo_reactive.driver.view.perceive import perceive
 from sumo_reactive.driver.view.static import static_near, static_within
 
 
@@ -19,7 +19,7 @@ def ego():
 def near(ego, s: float, extra=NO_POINTS):
     """The points of O_S with the front axle on C at `s`."""
     x, y, _ = ego.plan.curve.at(s)
-    return static_near(ego.graph, ego.plan, "passenger", s, x, y, extra)
+    return static_near(ego.graph, ego.plan, "passenger", s, (x, y), extra)
 
 
 def test_the_own_side_of_the_road_ends_half_a_lane_and_the_other_one_and_a_half_lanes_away(ego):
@@ -30,7 +30,7 @@ def test_the_own_side_of_the_road_ends_half_a_lane_and_the_other_one_and_a_half_
 
 
 def test_borders_are_seen_ahead_within_reach_and_beside_but_not_behind(ego):
-    _, y = front_axle(ego.ego, CAR)
+    _, y = ego.ego.pose.ahead(CAR.wheelbase)
     ahead = ego.seen().static[:, 1] - y  # the road leads north
     assert -1.5 <= ahead.min() <= 0.0
     assert STATIC_REACH_M - 1.5 < ahead.max() <= STATIC_REACH_M
@@ -49,7 +49,7 @@ def test_behind_the_junction_the_borders_go_on(ego):
 
 
 def test_what_was_observed_counts_within_reach_on_all_sides(ego):
-    x, y = front_axle(ego.ego, CAR)
+    x, y = ego.ego.pose.ahead(CAR.wheelbase)
     seen = np.array([(x, y - 4.0), (x + 5.0, y + 6.9), (x + 5.0, y + 7.1)])
     traffic = Traffic(100.0, (), {}, static=seen)
     points = perceive(traffic, ego.ego, ego.plan, ego.graph, CAR, 0.0).static

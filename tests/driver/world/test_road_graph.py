@@ -3,9 +3,8 @@
 import pytest
 from world_pieces import connection, junction, lane
 
-from sumo_reactive.driver.world.arcs import Arc, ArcLabel
-from sumo_reactive.driver.world.conflicts import conflict_regions
-from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.regions import conflict_regions
+from sumo_reactive.driver.world.road_graph import Arc, ArcLabel, RoadGraph
 
 EAST = connection("w_0->e_0", [(-8, 0), (8, 0)], 0)
 NORTH = connection("s_0->n_0", [(1, -8), (1, 8)], 1)

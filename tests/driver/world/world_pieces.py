@@ -4,10 +4,9 @@ import numpy as np
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.world.junction import Connection, Control, Junction, Turn
-from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.right_of_way import RightOfWay
-from sumo_reactive.driver.world.vehicle_class import VEHICLE_CLASSES
 
 
 def connection(name, points, index=0, heights=None, **details) -> Connection:

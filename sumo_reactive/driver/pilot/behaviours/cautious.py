@@ -1,106 +1,32 @@
-"""Cautious driving: the approach to an intersection, its light and its line (F&L 1991, §2)."""
+"""Cautious driving: the approach to an intersection (F&L 1991, §2)."""
 
 from __future__ import annotations
 
 import math
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, StopAt
-from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import (
-    CAUTIOUS_AHEAD_M,
-    CAUTIOUS_AHEAD_S,
-    HARD_STOP_MARGIN_M,
-    PLANNED_DECELERATION,
-    RED_MARGIN_S,
-    STANDING_SPEED,
-    STOP_REACHED_M,
-    YELLOW_S,
-)
-from sumo_reactive.driver.pilot.lights import Signal, has_passed, letter_of, signal
-from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Crossing
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.pilot.passages import reach_of
+from sumo_reactive.driver.pilot.rules.lights import has_passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
-from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.world.junction import Control
-
-_FULL_STOP = (Control.STOP, Control.ALL_WAY_STOP)
-_REASONS = {Signal.STOP: Reason.RED_LIGHT, Signal.STOP_ON_YELLOW: Reason.YELLOW_LIGHT}
-
-
-def stop_at_line(
-    way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> tuple[StopAt | None, Decision | None, PilotMemory]:
-    """Return the stop that light or sign ask for before the line, the decision to pass a light that changed too late,
-    and the memory of a full stop once it is made."""
-    connection, place = way.connection, _place(way, snapshot)
-    to_line = way.passage.start - snapshot.front
-    if has_passed(way.passage.start, snapshot.front):
-        return None, None, memory
-    letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
-    to_stop = to_line - HARD_STOP_MARGIN_M if letter in "yY" else to_line
-    asked = signal(letter, to_stop, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
-    memory, since = _yellow_since(connection.id, letter, snapshot.time, memory)
-    if asked is Signal.GO_ON_YELLOW and since is not None and _comes_too_late(way, snapshot, limits, since + YELLOW_S):
-        asked = Signal.STOP_ON_YELLOW
-    if asked in _REASONS:
-        return StopAt(place, _REASONS[asked], cause=light), None, memory
-    if asked is Signal.GO_ON_YELLOW:
-        needed = snapshot.ego.speed**2 / (2.0 * max(to_line, 0.1))
-        figures = (("to_line_m", to_line), ("braking_needed_m_s2", needed))
-        return None, Decision(Behaviour.CROSSING, Reason.YELLOW_TOO_CLOSE, "", light, True, figures), memory
-    due = asked is Signal.STOP_THEN_GO or (not letter and connection.control in _FULL_STOP)
-    if not due or memory.stopped_at == connection.id:
-        return None, None, memory
-    if snapshot.ego.speed < STANDING_SPEED and place - snapshot.front < STOP_REACHED_M:
-        return None, None, memory._replace(stopped_at=connection.id, stopped_since=snapshot.time)
-    return StopAt(place, Reason.STOP_SIGN), None, memory
-
-
-def _yellow_since(name: str, letter: str, time: float, memory: PilotMemory) -> tuple[PilotMemory, float | None]:
-    """Return since when a connection's light is yellow, s (None: it is not), and the memory of it."""
-    others = tuple(one for one in memory.yellows if one[0] != name)
-    if letter not in ("y", "Y"):
-        return (memory._replace(yellows=others) if len(others) < len(memory.yellows) else memory), None
-    since = dict(memory.yellows).get(name, time)
-    return memory._replace(yellows=(*others, (name, since))), since
-
-
-def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, red: float) -> bool:
-    """Whether the ego, since it means to stop behind the line (at a second line, or a queue), passes it hardly before `red`
-    (s) or later, and can still stop there by braking harder than for any yellow."""
-    speed, to_line = snapshot.ego.speed, way.passage.start - snapshot.front
-    if way.stop == math.inf or speed * speed > 2.0 * limits.service_deceleration * max(to_line - HARD_STOP_MARGIN_M, 0.0):
-        return False
-    to_stop = max(way.stop - snapshot.front, to_line)
-    braking_way = min(speed * speed / (2.0 * limits.comfort_deceleration), to_stop)
-    before, rate = to_stop - braking_way, speed * speed / (2.0 * braking_way)
-    lost = math.sqrt(max(speed * speed - 2.0 * rate * max(to_line - before, 0.0), 0.0))
-    return snapshot.time + min(to_line, before) / speed + (speed - lost) / rate > red - RED_MARGIN_S
-
-
-def _place(way: Crossing, snapshot: Snapshot) -> float:
-    """Where to stop before a junction, m of C: where nobody's way reaches over, or the line once that is passed or takes
-    braking harder than planned."""
-    line = way.passage.start
-    if way.line <= snapshot.front:
-        return line
-    stops = snapshot.front + HARD_STOP_MARGIN_M + snapshot.ego.speed**2 / (2.0 * PLANNED_DECELERATION)
-    return min(max(way.line, stops), line)
 
 
 def intersection_is_near(situation: Situation) -> bool:
     """M approaches an intersection where somebody may cross its path or a light speaks, and has not passed the line."""
-    reach = CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * situation.snapshot.ego.speed
+    return _is_ahead(situation, reach_of(situation.snapshot.ego.speed))
+
+
+def no_intersection_is_ahead(situation: Situation) -> bool:
+    """The line is passed, and no other one is in sight: an ego that has slowed down is still on the approach."""
+    return not _is_ahead(situation, math.inf)
+
+
+def _is_ahead(situation: Situation, reach: float) -> bool:
+    front = situation.snapshot.front
     for way, (_, connection, conflicts) in zip(situation.ways, situation.ahead, strict=True):
-        line, front = way.passage.start, situation.snapshot.front
+        line = way.passage.start
         if not has_passed(line, front) and line - front < reach and (conflicts or connection.light):
             return True
     return False
-
-
-def no_intersection_is_near(situation: Situation) -> bool:
-    """The line is passed, or the intersection out of reach."""
-    return not intersection_is_near(situation)
 
 
 def approach(situation: Situation) -> Instruction:
@@ -108,4 +34,4 @@ def approach(situation: Situation) -> Instruction:
     return Instruction.APPROACH if situation.stop is None else Instruction.STOP
 
 
-RULE = BehaviourRule(Behaviour.CAUTIOUS, (intersection_is_near,), approach, (no_intersection_is_near,))
+RULE = BehaviourRule(Behaviour.CAUTIOUS, (intersection_is_near,), approach, (no_intersection_is_ahead,))

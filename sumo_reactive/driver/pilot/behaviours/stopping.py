@@ -2,47 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason, StopAt
-from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
-from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import STANDING_SPEED, STOP_REACHED_M
-from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
-def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
-    """Return the next scheduled stop that has not been served."""
-    return next((planned for planned in plan.stops if planned.stop not in memory.served), None)
-
-
-def still_to_serve(plan: NominalPlan, memory: PilotMemory, time: float) -> tuple[PlannedStop, ...]:
-    """Return the stops not yet served at `time` (s), the one that is being served for as long as is left of it."""
-    left = tuple(planned for planned in plan.stops if planned.stop not in memory.served)
-    if memory.serving_until is None or not left:
-        return left
-    serving = replace(left[0].stop, duration=max(memory.serving_until - time, 0.0), until=None)
-    return replace(left[0], stop=serving), *left[1:]
-
-
-def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[StopAt | None, PilotMemory]:
-    """Stop where the route says, stay for the duration and not before `until`, then go on."""
-    planned = pending(plan, memory)
-    if planned is None:
-        return None, memory
-    stop = planned.stop
-    if memory.serving_until is None:
-        if snapshot.ego.speed < STANDING_SPEED and planned.s - snapshot.front < STOP_REACHED_M:
-            memory = memory._replace(serving_until=max(snapshot.time + stop.duration, stop.until or 0.0))
-    elif snapshot.time >= memory.serving_until:
-        return None, memory._replace(served=(*memory.served, stop), serving_until=None)
-    return StopAt(planned.s, Reason.SCHEDULED_STOP, cause=stop.lane_id), memory
-
-
 def stop_is_next(situation: Situation) -> bool:
-    """The nearest place to stop at is a stop of the route."""
-    return situation.stop is not None and situation.stop.reason is Reason.SCHEDULED_STOP
+    """A stop of the route is in reach, and no line lies before it where the ego drives cautiously."""
+    return is_next(situation.snapshot, situation.plan, situation.ahead, situation.memory)
 
 
 def stop_is_served(situation: Situation) -> bool:

@@ -1,0 +1,166 @@
+"""Where C keeps off the middle of its lane: long bodies in bends, those who wait inside junctions, those abreast there.
+
+A long body's front keeps to the outside, so that the rear, which cuts the inside, stays in the lane too. Who waits inside a
+junction cannot move, and who drives abreast of the ego there does not look.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
+from sumo_reactive.driver.geometry.swept import swept_sides
+from sumo_reactive.driver.parameters import (
+    CORRIDOR_MARGIN_M,
+    CURVE_STEP_M,
+    HOLD_BACK_REACH_M,
+    MAX_CENTRING_M,
+    WAITING_LENGTH_M,
+    WAITING_WIDTH_M,
+)
+from sumo_reactive.driver.path.reference import Reference
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lane import road_of
+
+BEYOND_M = 0.2
+"""Rear and, on the side of oncoming traffic, front may leave the lane by this: who drives in the middle of a lane of 3.2 m
+leaves 0.7 m."""
+CORNER_REACH = 1.5
+"""Round the corners of a line that is not smooth yet, the way is longer than straight by up to this factor."""
+LEAST_M = 1e-4
+"""Less is rounding."""
+BUMPER_SPARE_M = 0.3
+"""The front bumper covers at least this much of its lane, which is what maps it to the lane."""
+SPARE_M = 0.05
+"""Room left beyond what the corridor of the ego takes."""
+KEPT_M = 4.0
+"""C keeps away for this much longer before and behind, so that smoothing does not fill up the way round."""
+SIDE_POINTS, END_POINTS = 6, 3
+"""The side of a waiting body, and its front, are looked at in so many points."""
+
+
+def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand: bool) -> Points:
+    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved to the outside of bends where the rear would leave the lane.
+
+    `half_widths` (n,) are the lanes', m. It is moved by what the rear axle leaves the lane by, at most by half of what the
+    axle is inside (then front and rear leave it alike), at most by MAX_CENTRING_M, and only as far as the front bumper
+    stays near the lane: on the side of oncoming traffic (the right if `left_hand`) within it, but for BEYOND_M.
+    """
+    ahead = np.gradient(line, axis=0)
+    headings, (xs, ys) = np.arctan2(ahead[:, 1], ahead[:, 0]), Polyline(line).columns
+    sizes = limits.wheelbase, limits.front_overhang
+    most = swept_sides(xs, ys, headings, CURVE_STEP_M, headings[0], *sizes, 0.0, CORNER_REACH)
+    rear, bumper = (np.where(side[:, 0] >= -side[:, 1], side[:, 0], side[:, 1]) for side in most)
+    rear[[0, -1]] = bumper[[0, -1]] = 0.0  # what is before or behind the line is noted there
+    half = 0.5 * limits.width
+    excess = np.abs(rear) + half - BEYOND_M - half_widths
+    if not (excess > 0.0).any():
+        return line
+    oncoming = rear < 0.0 if not left_hand else rear > 0.0  # the outside of the bend
+    room = half_widths + np.where(oncoming, BEYOND_M - half, half - BUMPER_SPARE_M) - np.abs(bumper)
+    allowed = np.minimum(0.5 * np.abs(rear), np.minimum(room, MAX_CENTRING_M))
+    reach = _eased_over(limits)
+    shift = -np.sign(rear) * np.clip(excess, 0.0, np.maximum(minimum_filter1d(allowed, 2 * reach + 1), 0.0))
+    return moved_aside(line, _eased_in(shift, reach))
+
+
+def clear_of_others(line: Points, half_widths: Floats, reference: Reference, limits: VehicleLimits) -> Points:
+    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or be
+    abreast of the ego's there, from a neighbour lane of its road.
+
+    `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
+    """
+    shift = np.zeros(len(line))
+    room = np.maximum(half_widths + BEYOND_M - 0.5 * limits.width, 0.0)
+    needed = 0.5 * limits.width + CORRIDOR_MARGIN_M + SPARE_M
+    for connection, start, end in reference.passages:
+        first, last = max(int(start / CURVE_STEP_M), 0), min(int(end / CURVE_STEP_M) + 1, len(line) - 1)
+        junction = reference.graph.junctions.get(connection.junction_id)
+        if junction is None or last - first < 2:
+            continue
+        for other in junction.connections:
+            if _may_be_met(connection, other):
+                _clear_of_body(shift[first:last], line[first : last + 1], _waiting(other), needed)
+        reach = min(last + int(HOLD_BACK_REACH_M / CURVE_STEP_M), len(line))  # one may still be inside, the other out of it
+        ways = abreast_of(reference.graph, connection.id)
+        _clear_of_ways(shift[first:reach], line[first:reach], ways, needed + 0.5 * WAITING_WIDTH_M)
+    if not shift.any():
+        return line
+    reach = _eased_over(limits)
+    kept = reach + 2 * int(KEPT_M / CURVE_STEP_M)
+    left, right = (maximum_filter1d(np.clip(side, 0.0, room), kept) for side in (shift, -shift))
+    eased = _eased_in(left - right, reach)
+    return line if np.abs(eased).max() < LEAST_M else moved_aside(line, eased)
+
+
+def _eased_over(limits: VehicleLimits) -> int:
+    return 2 * int(0.5 * limits.wheelbase / CURVE_STEP_M) + 1
+
+
+def _eased_in(shift: Floats, reach: int) -> Floats:
+    """Return `shift` (n,), m, kept up for half of `reach` samples before and behind a bend, and led there within as many."""
+    left, right = (maximum_filter1d(np.maximum(side, 0.0), reach) for side in (shift, -shift))
+    found = np.asarray(left - right)
+    for _ in range(2):
+        found = uniform_filter1d(found, reach, mode="nearest")
+    return np.where(np.abs(found) < LEAST_M, 0.0, found)
+
+
+def _may_be_met(connection: Connection, other: Connection) -> bool:
+    """Whether somebody on `other` may wait inside the junction while the ego, on another approach, passes."""
+    from_elsewhere = road_of(other.from_lane) != road_of(connection.from_lane)
+    return other.wait_at is not None and from_elsewhere and not other.is_crossing
+
+
+def _waiting(other: Connection) -> Points:
+    """Return points (k, 2) on the outline of a car whose front is at the waiting place of `other`."""
+    place = other.wait_at or 0.0
+    x, y = other.path.at(place)
+    bx, by = other.path.at(max(place - WAITING_LENGTH_M, 0.0))
+    heading = math.atan2(y - by, x - bx)
+    way, left = np.array([math.cos(heading), math.sin(heading)]), np.array([-math.sin(heading), math.cos(heading)])
+    back, half = np.linspace(0.0, WAITING_LENGTH_M, SIDE_POINTS), 0.5 * WAITING_WIDTH_M
+    sides = [np.array([x, y]) - back[:, None] * way + side * half * left for side in (1.0, -1.0)]
+    front = np.array([x, y]) + np.linspace(-half, half, END_POINTS)[:, None] * left
+    return np.vstack((*sides, front))
+
+
+def _clear_of_body(shift: Floats, line: Points, body: Points, room: float) -> None:
+    """Set in `shift` (n − 1,), m to the left, how far `line` (n, 2) has to be moved to pass the points of `body` (k, 2) with
+    `room` m between.
+
+    Who stands across the line is not passed.
+    """
+    way = np.diff(line, axis=0)
+    off = body[:, None, :] - line[:-1]
+    nearest = np.argmin((off**2).sum(axis=2), axis=1)
+    along, to = way[nearest], off[np.arange(len(body)), nearest]
+    aside = (along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]) / np.maximum(np.hypot(*along.T), 1e-9)
+    beside_it = (nearest > 0) & (nearest < len(way) - 1)
+    if not beside_it.any() or (aside[beside_it].min() < 0.0 < aside[beside_it].max()):
+        return
+    for j, by in zip(nearest[beside_it], aside[beside_it], strict=True):
+        if room - abs(by) > abs(shift[j]):
+            shift[j] = -np.sign(by) * (room - abs(by))
+
+
+def _clear_of_ways(shift: Floats, line: Points, ways: Iterable[Abreast], room: float) -> None:
+    """Set in `shift` (n,), m to the left, how far `line` (n, 2) has to be moved to leave `room` m to each of `ways`.
+
+    Between two of them it runs in the middle. A way that leads to the other side is crossed, not kept clear of.
+    """
+    left, right = np.zeros(len(line)), np.zeros(len(line))
+    for abreast in ways:
+        aside = beside(abreast.way, line)
+        needed = np.sign(aside) * np.maximum(room - np.abs(aside), 0.0)
+        if needed.min() >= 0.0 or needed.max() <= 0.0:
+            left, right = np.maximum(left, needed), np.minimum(right, needed)
+    needed = np.where((left > 0.0) & (right < 0.0), 0.5 * (left + right), left + right)
+    more = np.abs(needed) > np.abs(shift)
+    shift[more] = needed[more]

@@ -1,0 +1,133 @@
+"""Leaving local minima: an ego that does not get on, though nobody has the right to block it (F&L 1991, §3.3)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.nouns.completed_plan import Replanning
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.event import EventKind
+from sumo_reactive.driver.nouns.snapshot import PathObstacle
+from sumo_reactive.driver.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M, STANDING_SPEED
+from sumo_reactive.driver.pilot.passed import lateral_for, passed
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+
+_TOO_NEAR_M = 1.5
+"""An ego that stands by this much nearer than HALTED_ROOM_M backs up…"""
+
+_BACKED_UP_M = 0.02
+"""…until it is no nearer than by this."""
+
+_NO_RIGHT = (Reason.BLOCKED, Reason.NO_GAP)
+"""Stops for these reasons are nobody's right."""
+
+
+class Escape(NamedTuple):
+    """A way out of a local minimum: an instruction, a stop that goes with it, a new curve; and the decision behind it."""
+
+    decision: Decision
+    instruction: Instruction | None = None
+    stop: TimeConstraint | None = None
+    replanning: Replanning = Replanning.NOTHING
+
+
+def room_behind(situation: Situation) -> TimeConstraint | None:
+    """Return the place to stop behind somebody who has halted, far enough to swing out past him later; None: no need."""
+    x, snapshot = situation.ahead_of_ego, situation.snapshot
+    if x is None or not x.user.is_halted or lateral_for(situation, passed(situation, x))[0] == 0.0:
+        return None
+    place = x.start - HALTED_ROOM_M
+    braking = snapshot.ego.speed**2 / (2.0 * situation.limits.comfort_deceleration)
+    if place < snapshot.front and snapshot.ego.speed < STANDING_SPEED and not _is_too_near(situation, x):
+        place = snapshot.front  # near enough to the room it needs: stay
+    return stop_at(place, Reason.BLOCKED, cause=x.user.id) if place >= snapshot.front + braking - 0.5 else None
+
+
+def escape(situation: Situation) -> Escape | None:
+    """Return a way out, tried in this order; None when there is nothing to escape from.
+
+    Somebody who has halted too near to swing out: back up at walking speed. Nobody in the way: a new C, then a wider
+    command grid with a weaker hold of C. Else: say who blocks the ego.
+    """
+    x = situation.ahead_of_ego
+    if x is not None and _is_too_near(situation, x):
+        place = x.start - HALTED_ROOM_M
+        stop = stop_at(place, Reason.BLOCKED, cause=x.user.id)
+        return Escape(_decision(Reason.BLOCKED, x.user.id), Instruction.BACK_UP, stop)
+    due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
+        return None
+    if x is not None and x.start - situation.snapshot.front < HALTED_ROOM_M + 1.0:
+        return Escape(_decision(Reason.BLOCKED, x.user.id))
+    decision = _decision(Reason.NO_PROGRESS, "")
+    if situation.memory.escapes % 2 == 0:
+        return Escape(decision, replanning=Replanning.CURVE if due else Replanning.NOTHING)
+    return Escape(decision, Instruction.WIDEN)
+
+
+def _decision(reason: Reason, cause: str) -> Decision:
+    return Decision(Behaviour.STOPPING, reason, cause=cause)
+
+
+def _has_right(situation: Situation, x: PathObstacle | None) -> bool:
+    """Whether a rule, or somebody who waits himself, keeps the ego where it is."""
+    if situation.stop is not None and situation.stop.reason not in _NO_RIGHT:
+        return True
+    return x is not None and not x.user.is_halted and x.along > -STANDING_SPEED and _same_way(situation, x)
+
+
+def _same_way(situation: Situation, x: PathObstacle) -> bool:
+    return math.cos(x.user.heading - situation.plan.curve.at(x.start)[2]) > 0.0
+
+
+def _is_too_near(situation: Situation, x: PathObstacle) -> bool:
+    """Whether the ego stands behind somebody who has halted, with a lane to pass on but no room to swing out."""
+    snapshot = situation.snapshot
+    if not x.user.is_halted or snapshot.ego.speed > STANDING_SPEED or situation.memory.overtaking is not None:
+        return False
+    gap = x.start - snapshot.front
+    backing = snapshot.ego.speed < -STANDING_SPEED
+    enough = HALTED_ROOM_M - (_BACKED_UP_M if backing else _TOO_NEAR_M)
+    if gap > enough or _would_back_into_junction(situation, x) or lateral_for(situation, passed(situation, x))[0] == 0.0:
+        return False
+    return _is_free_behind(situation, HALTED_ROOM_M - gap + BACK_UP_CLEAR_M)
+
+
+def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
+    """Whether the ego's rear would come to stand inside an intersection that it has passed."""
+    rear, front = x.start - HALTED_ROOM_M - situation.limits.length, situation.snapshot.front
+    return any(passage.start < front and rear < passage.end for passage in situation.plan.passages)
+
+
+def _is_free_behind(situation: Situation, way: float) -> bool:
+    """Whether nobody is within `way` m behind the rear bumper, a lane's width to either side."""
+    pose, limits = situation.snapshot.ego.pose, situation.limits
+    c, s = math.cos(pose.heading), math.sin(pose.heading)
+    for x, y, heading, _, length, width, *_ in situation.snapshot.boxes.tolist():
+        mx, my = x - 0.5 * length * math.cos(heading) - pose.x, y - 0.5 * length * math.sin(heading) - pose.y
+        behind = -(mx * c + my * s) - limits.rear_overhang - 0.5 * length
+        if -limits.length < behind < way and abs(my * c - mx * s) < 0.5 * (limits.width + width) + 0.5:
+            return False
+    return True
+
+
+def is_too_near(situation: Situation) -> bool:
+    """The ego stands too near behind somebody who has halted to swing out past him, and there is room behind."""
+    x = situation.ahead_of_ego
+    return x is not None and has(Mechanism.ESCAPE) and _is_too_near(situation, x)
+
+
+def has_room(situation: Situation) -> bool:
+    """There is room to swing out, or nobody to pass."""
+    return not is_too_near(situation)
+
+
+def back_up(situation: Situation) -> Instruction:
+    """Back up at walking speed."""
+    return Instruction.BACK_UP
+
+
+RULE = BehaviourRule(Behaviour.BACKING_UP, (is_too_near,), back_up, (has_room,))

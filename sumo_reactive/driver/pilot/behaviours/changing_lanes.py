@@ -1,0 +1,189 @@
+"""Changing to the lane that the route needs, or cutting into the lane beside: if there is a gap, else waiting for one."""
+
+from __future__ import annotations
+
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
+from sumo_reactive.driver.parameters import (
+    CALL_OFF_SHARE,
+    CREEPING_SPEED,
+    CUT_PATIENCE_S,
+    EASY_STOP_DECELERATION,
+    FOLLOWER_DECELERATION,
+    FOLLOWER_HEADWAY_S,
+    HARD_STOP_DECELERATION,
+    LANE_CHANGE_CLEARANCE_M,
+    LANE_CHANGE_DURATION_S,
+    LANE_CHANGE_GAP_M,
+    LANE_CHANGE_LOOK_AHEAD_M,
+    LANE_CHANGE_LOOK_AHEAD_S,
+    LANE_CHANGE_REACTION_S,
+    LATE_LANE_CHANGE_LENGTH_M,
+    MIN_LANE_CHANGE_LENGTH_M,
+    URGENT_DECELERATION,
+    URGENT_M,
+    URGENT_REACTION_S,
+    URGENT_S,
+)
+from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
+from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+
+def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
+    """Return the next lane change if it is time to seek a gap for it."""
+    if not plan.lane_changes:
+        return None
+    change = next((c for c in plan.lane_changes if c.end > snapshot.front), None)
+    if change is None or change.start <= snapshot.s or change.opens > snapshot.front or _is_made(change, plan):
+        return None
+    return change if change.start - snapshot.front <= _horizon(snapshot) else None
+
+
+def just_begun(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
+    """Return the change that the ego has begun when it was asked to, while its body is still on its own side of the line."""
+    change = next(iter(plan.lane_changes), None)
+    if change is None or not _is_made(change, plan) or snapshot.s > CALL_OFF_SHARE * change.end:
+        return None
+    return change
+
+
+def _is_made(change: LaneChange, plan: NominalPlan) -> bool:
+    """Whether C begins with the change: it comes from where the car was when it was asked for."""
+    return change.start <= 0.0 and change.end == plan.joins
+
+
+def seeks(snapshot: Snapshot, plan: NominalPlan) -> bool:
+    """Whether it is time to seek a gap on the lane beside, or to see that it stays open."""
+    if snapshot.off_tracking is not None or not plan.lane_changes:
+        return snapshot.off_tracking is not None
+    return pending(snapshot, plan) is not None or just_begun(snapshot, plan) is not None
+
+
+def _horizon(snapshot: Snapshot) -> float:
+    return max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * snapshot.ego.speed)
+
+
+def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waited: float = 0.0) -> LaneChanging:
+    """Begin the change that the route needs as soon as a gap allows; without one, stop where C would begin it.
+
+    A change whose gap has closed before the body is over the line is called off, if there is still way to wait for another.
+    Where the body will cut into the lane beside, stop before, unless nobody comes there; the longer the ego has `waited`
+    (s), the smaller a gap it takes.
+    """
+    begun = just_begun(snapshot, plan)
+    if begun is not None:
+        return _called_off(snapshot, plan, begun, limits)
+    change = pending(snapshot, plan)
+    if change is None:
+        aside = snapshot.off_tracking
+        return LaneChanging() if aside is None else _before_cut(snapshot, aside, plan, limits, waited)
+    left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
+    urgency = min(1.0, max(0.0, 1.0 - left / pressing))
+    blocker = _blocker(snapshot, limits, urgency)
+    if not blocker:
+        return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
+    stop = stop_at(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
+    return LaneChanging(stop=stop, slot=_slot(snapshot))
+
+
+def _called_off(snapshot: Snapshot, plan: NominalPlan, begun: LaneChange, limits: VehicleLimits) -> LaneChanging:
+    """Stay on the old lane if not even the smallest gap is left on the new one, and the change may still wait.
+
+    Who creeps up from behind only comes as near as cars stand behind each other.
+    """
+    creeping = LANE_CHANGE_GAP_M / 2.0 + limits.length
+    closing = (n for n in snapshot.neighbours if n.user.speed > CREEPING_SPEED or n.ahead > -creeping)
+    blocker = next((n.user.id for n in closing if not leaves_gap(n, snapshot.ego.speed, limits, 1.0)), "")
+    if not blocker or not _may_wait(snapshot, plan, limits):
+        return LaneChanging()
+    why = Decision(Behaviour.NORMAL, Reason.GAP_CLOSED, begun.to_lane, blocker)
+    return LaneChanging(why=why, calls_off=True)
+
+
+def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> bool:
+    """Whether the ego can still stop comfortably before the last place for this change and those behind it on this road."""
+    ends = [passage.start for passage in plan.passages if passage.start > snapshot.front]
+    ends += [stop.s for stop in plan.stops if stop.s > snapshot.front]
+    end = min(ends, default=plan.curve.length)
+    changes = sum(change.start < end for change in plan.lane_changes)
+    last = end - LANE_CHANGE_CLEARANCE_M - changes * LATE_LANE_CHANGE_LENGTH_M
+    return last - snapshot.front > snapshot.ego.speed**2 / (2.0 * limits.comfort_deceleration)
+
+
+def _before_cut(
+    snapshot: Snapshot, cut: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
+) -> LaneChanging:
+    """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
+    left, speed = cut.start - snapshot.front, snapshot.ego.speed
+    if left < speed * speed / (2.0 * limits.service_deceleration):
+        return LaneChanging()
+    pace = min(max(speed, CREEPING_SPEED), plan.road_speed(cut.start))
+    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / CUT_PATIENCE_S, 1.0)
+    for neighbour in snapshot.neighbours:
+        ahead = neighbour.ahead + neighbour.user.speed * time - left
+        if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
+            return LaneChanging(stop=stop_at(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
+    return LaneChanging()
+
+
+def _slot(snapshot: Snapshot) -> str:
+    """Return the vehicle on the other lane that the ego will follow: the nearest whose front is ahead of its own."""
+    ahead = [n for n in snapshot.neighbours if n.ahead >= 0.0]
+    return min(ahead, key=lambda n: n.ahead).user.id if ahead else ""
+
+
+def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:
+    """Whether the lane goes on beside the other long enough to be left smoothly."""
+    here = next((g for g in plan.segments if g.start <= snapshot.front < g.end), None)
+    if here is None or here.lane_id.startswith(":"):
+        return False
+    needed = max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed)
+    end = change.end if here.lane_id == change.from_lane else here.end
+    return end - snapshot.front > min(needed, change.end - change.start)
+
+
+def _blocker(snapshot: Snapshot, limits: VehicleLimits, urgency: float) -> str:
+    """Return who leaves no gap on the other lane; empty when the gap is free."""
+    for neighbour in snapshot.neighbours:
+        if not leaves_gap(neighbour, snapshot.ego.speed, limits, urgency):
+            return neighbour.user.id
+    return ""
+
+
+def leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgency: float) -> bool:
+    """Whether the one ahead need not be braked for, and the one behind need not brake hard.
+
+    `urgency` (0..1) trades comfort for the change.
+    """
+    other, least = neighbour.user, LANE_CHANGE_GAP_M * (1.0 - 0.5 * urgency)
+    if neighbour.ahead >= 0.0:
+        reaction = LANE_CHANGE_REACTION_S + urgency * (URGENT_REACTION_S - LANE_CHANGE_REACTION_S)
+        braking = FOLLOWER_DECELERATION + urgency * (URGENT_DECELERATION - FOLLOWER_DECELERATION)
+        closing = max(0.0, speed - other.speed)
+        gap, needed = neighbour.ahead - other.body.length, least + reaction * speed + closing * closing / (2.0 * braking)
+    else:
+        headway = FOLLOWER_HEADWAY_S + urgency * (URGENT_REACTION_S - FOLLOWER_HEADWAY_S)
+        braking = EASY_STOP_DECELERATION + urgency * (HARD_STOP_DECELERATION - EASY_STOP_DECELERATION)
+        gap, needed = -neighbour.ahead - limits.length, max(least, gap_for_follower(other.speed, speed, headway, braking))
+    return gap > needed
+
+
+def is_sought(situation: Situation) -> bool:
+    """The route needs a lane beside soon, or the body will cut into it, or such a change has just begun."""
+    return seeks(situation.snapshot, situation.plan)
+
+
+def is_done(situation: Situation) -> bool:
+    """No change of lanes is in reach any more."""
+    return not is_sought(situation)
+
+
+def follow_curve(situation: Situation) -> Instruction:
+    """Follow C, which makes the change where the gap is; without one, stop where C would begin it."""
+    return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.CHANGING_LANES, (is_sought,), follow_curve, (is_done,))

@@ -1,0 +1,163 @@
+"""Leaving a queue that is held up, by somebody who waits to turn, for a lane beside that leads on as well."""
+
+from __future__ import annotations
+
+import math
+
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
+from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.parameters import (
+    CREEPING_SPEED,
+    HALTED_ROOM_M,
+    HEAD_STANDS_S,
+    LANE_CHANGE_DURATION_S,
+    MIN_LANE_CHANGE_LENGTH_M,
+    QUEUE_GAIN_S,
+    QUEUE_HEADWAY_S,
+    QUEUED_SPEED,
+    STANDING_SPEED,
+    SWING_OUT_M,
+    TURNER_WAIT_S,
+    TURNERS_FEARED,
+)
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import follow_curve, leaves_gap, pending
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import Crossing
+from sumo_reactive.driver.pilot.rules.lights import letter_of
+from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+_CREEPING_ROOM_M = 0.5
+"""Beyond its braking distance: who creeps is not stopped on the spot."""
+
+_LEAST_COST = 0.5
+"""A change that the route asks for later anyway still costs this much of one now, so that it is not made for nothing."""
+
+_NEAR_HEAD_M = 12.0
+"""Who stands so near behind somebody who drives off will do so next."""
+
+
+def released(snapshot: Snapshot, ways: tuple[Crossing, ...], memory: PilotMemory) -> tuple[str, float]:
+    """Return by which connection the ego may go next as far as its light is concerned (empty: by none), since when (s)."""
+    way = _next_way(snapshot, ways)
+    if way is None or letter_of(way.connection, snapshot) in ("r", "R", "u", "y", "Y"):
+        return "", snapshot.time
+    return memory.released if memory.released[0] == way.connection.id else (way.connection.id, snapshot.time)
+
+
+def leave_queue(
+    snapshot: Snapshot,
+    plan: NominalPlan,
+    outlook: Outlook,
+    ways: tuple[Crossing, ...],
+    memory: PilotMemory,
+    limits: VehicleLimits,
+) -> LaneChanging:
+    """Change to a lane beside whose queue is expected to be over sooner, as soon as there is a gap; keep room for it.
+
+    It is left for good: on the other lane the ego waits its turn and does not come back on this road. An ego that stands
+    at a red light stays.
+    """
+    way = _next_way(snapshot, ways)
+    if not outlook.queues or way is None or not _is_free_to_choose(snapshot, plan, memory):
+        return LaneChanging()
+    go = snapshot.time - memory.released[1] if memory.released[0] else 0.0
+    if go <= 0.0 and snapshot.ego.speed < CREEPING_SPEED:
+        return LaneChanging()
+    own, *others = outlook.queues
+    best = min(others, key=lambda queue: _cost(queue, go))
+    cause = _holds_up(own, go)
+    if best.way is None or cause is None or expected_wait(own, go) < _cost(best, go):
+        return LaneChanging()
+    room = way.line - snapshot.front
+    if room < max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed):
+        return LaneChanging()
+    return _leave(snapshot, best, best.way, cause, limits)
+
+
+def expected_wait(queue: Queue, go: float) -> float:
+    """Return how long (s) the queue is expected to hold up the ego at a light that has let it `go` for some time (s).
+
+    Its cars pass one after the other; turners wait for their gaps; a head that stands though it may go, for reasons that
+    nobody knows, will stand for about as long as it has stood.
+    """
+    queued = [one for one in queue.users if one.user.speed < QUEUED_SPEED]
+    turners = min(sum(one.yields for one in queued), TURNERS_FEARED)
+    return QUEUE_HEADWAY_S * len(queued) + TURNER_WAIT_S * turners + _stuck_for(queue, go)
+
+
+def _cost(queue: Queue, go: float) -> float:
+    """Return the wait (s) that a lane beside promises, with what the change to it costs."""
+    changes = max(queue.way.cost, _LEAST_COST) if queue.way else math.inf
+    return expected_wait(queue, go) + QUEUE_GAIN_S * changes
+
+
+def _stuck_for(queue: Queue, go: float) -> float:
+    """Return how long (s) the head of what does not move in the queue has stood though it may go; 0: it has not."""
+    head = _head(queue)
+    waited = min(head.user.waiting_time, go) if head is not None else 0.0
+    return waited if waited > HEAD_STANDS_S else 0.0
+
+
+def _head(queue: Queue) -> Queued | None:
+    """Return the first that stands, unless the queue before him is driving off already."""
+    before, drives_off = math.inf, False
+    for one in queue.users:
+        drives_off = one.user.waiting_time <= 0.0 or (drives_off and before - one.ahead < _NEAR_HEAD_M)
+        if not drives_off:
+            return one
+        before = one.ahead - one.user.body.length
+    return None
+
+
+def _holds_up(queue: Queue, go: float) -> Queued | None:
+    """Return whom to blame for the wait: the head that stands though it may go, else the first who has to let others go."""
+    if _stuck_for(queue, go) > 0.0:
+        return _head(queue)
+    turner = next((one for one in queue.users if one.yields and one.user.speed < QUEUED_SPEED), None)
+    return turner if turner is not None else next(iter(queue.users), None)
+
+
+def _next_way(snapshot: Snapshot, ways: tuple[Crossing, ...]) -> Crossing | None:
+    return next((way for way in ways if way.passage.start > snapshot.front), None)
+
+
+def _is_free_to_choose(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> bool:
+    """Whether the ego is settled on its lane, and no other manoeuvre is under way or due."""
+    under_way = memory.overtaking is not None or plan.aside is not None or snapshot.s < plan.joins
+    return not under_way and pending(snapshot, plan) is None
+
+
+def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, limits: VehicleLimits) -> LaneChanging:
+    """Begin the change to the lane of `queue` if there is a gap there and room to swing out, else keep that room."""
+    speed = snapshot.ego.speed
+    x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)
+    needed = SWING_OUT_M + speed * speed / (2.0 * limits.comfort_deceleration)
+    if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
+        why = Decision(Behaviour.NORMAL, Reason.HELD_UP, way.to_lane, cause.user.id, passes=True)
+        return LaneChanging(way.side, why=why)
+    place, nearest = x - HALTED_ROOM_M, snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
+    if place < nearest and speed >= CREEPING_SPEED:
+        return LaneChanging()
+    place = max(place, nearest + (_CREEPING_ROOM_M if speed > STANDING_SPEED else 0.0))
+    if place == math.inf:
+        return LaneChanging()
+    return LaneChanging(stop=stop_at(place, Reason.HELD_UP, way.to_lane, cause.user.id))
+
+
+def is_worth_it(situation: Situation) -> bool:
+    """The queue is held up, and a lane beside leads on as well and is over sooner."""
+    changing = situation.changing
+    reasons = (changing.why and changing.why.reason, changing.stop and changing.stop.reason)
+    return Reason.HELD_UP in reasons
+
+
+def is_not_worth_it(situation: Situation) -> bool:
+    """The ego has left the queue, or the queue goes on."""
+    return not is_worth_it(situation)
+
+
+RULE = BehaviourRule(Behaviour.CHANGING_QUEUES, (is_worth_it,), follow_curve, (is_not_worth_it,))

@@ -1,0 +1,114 @@
+"""Turning round in several moves, where the road is too narrow for one sweep."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.plan import Move, NominalPlan, Turnaround
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.parameters import STANDING_SPEED, TURNAROUND_PATIENCE_S, TURNAROUND_REACHED_M
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import reach_of
+from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+
+
+class Turning(NamedTuple):
+    """What a turn asks for: the move to drive, why, what of the planner; and the memory of it."""
+
+    move: Move
+    decision: Decision
+    request: Request
+    memory: PilotMemory
+
+
+def place_to_begin(
+    snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, comes_over: str = ""
+) -> TimeConstraint | None:
+    """Return where to stop for the next turn in several moves; None: there is none, or it is under way.
+
+    `comes_over`: who will drive over its ground; he is let pass, unless the ego has stood there for long.
+    """
+    number = None if memory.move is not None else _next(snapshot, plan)
+    if number is None:
+        return None
+    start = plan.turnarounds[number].start
+    if comes_over and memory.standing_for(snapshot.time) < TURNAROUND_PATIENCE_S:
+        return stop_at(start, Reason.COMES_OVER, cause=comes_over)
+    return stop_at(start, Reason.NARROW_TURN)
+
+
+def turn_round(
+    snapshot: Snapshot,
+    plan: NominalPlan,
+    stop: TimeConstraint | None,
+    memory: PilotMemory,
+    *,
+    comes_over: str = "",
+    is_stuck: bool = False,
+) -> Turning | None:
+    """Return what the turn under way asks for, or one that begins now; None: the ego does not turn round.
+
+    It begins when the ego stands where it is to begin, and nothing keeps it from where it ends: `stop` is the nearest other
+    place to stop at, and nobody `comes_over` its ground. One that `is_stuck`, for somebody stands in the way of a move, goes
+    on in one sweep.
+    """
+    if memory.move is None:
+        number, place = _next(snapshot, plan), place_to_begin(snapshot, plan, memory, comes_over)
+        if number is None or place is None or place.reason is Reason.COMES_OVER:
+            return None
+        if not _may_begin(snapshot, plan.turnarounds[number], stop):
+            return None
+        return _driven(plan, number, 0, memory)
+    turn, move = memory.move
+    moves = plan.turnarounds[turn].moves
+    if is_stuck:
+        decision = Decision(Behaviour.CROSSING, Reason.NO_PROGRESS, passes=True)
+        return Turning(moves[move], decision, Request(Replanning.CURVE), memory._replace(move=None))
+    return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)
+
+
+def _next(snapshot: Snapshot, plan: NominalPlan) -> int | None:
+    """Return the number of the next turn in several moves."""
+    return next((k for k, turn in enumerate(plan.turnarounds) if snapshot.front < turn.end), None)
+
+
+def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: TimeConstraint | None) -> bool:
+    if snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
+        return False
+    return stop is None or stop.s > turn.end + turn.into
+
+
+def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> Turning:
+    """Return the orders for a move of a turn; after the last one, at whose end the ego stands until then, for a curve from
+    the lane turned into."""
+    turn = plan.turnarounds[number]
+    decision = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
+    if move < len(turn.moves):
+        return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
+    after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
+    return Turning(turn.moves[-1], decision, after, memory._replace(move=None))
+
+
+def is_near(situation: Situation) -> bool:
+    """The ego turns round, or comes to where it will."""
+    snapshot, plan = situation.snapshot, situation.plan
+    number = _next(snapshot, plan)
+    if situation.memory.move is not None or number is None:
+        return situation.memory.move is not None
+    return plan.turnarounds[number].start - snapshot.front < reach_of(snapshot.ego.speed)
+
+
+def is_over(situation: Situation) -> bool:
+    """No such turn is near any more."""
+    return not is_near(situation)
+
+
+def approach(situation: Situation) -> Instruction:
+    """Come to a stand where the turn begins; its moves follow."""
+    return Instruction.APPROACH if situation.stop is None else Instruction.STOP
+
+
+RULE = BehaviourRule(Behaviour.TURNING_ROUND, (is_near,), approach, (is_over,))

@@ -1,0 +1,164 @@
+"""Arrival and clearance times at a conflict region, and which gap is enough."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.snapshot import Foe
+from sumo_reactive.driver.parameters import (
+    COMFORT_DECELERATION,
+    FEARED_DECELERATION,
+    FOE_ACCELERATION,
+    FOLLOWER_DECELERATION,
+    FOLLOWER_STANDSTILL_GAP_M,
+    GAP_AFTER_S,
+    GAP_BEFORE_S,
+    LEAVING_ACCELERATION,
+    MERGE_GAP_S,
+    STANDING_SPEED,
+)
+from sumo_reactive.driver.vehicle.travel_time import travel_time
+from sumo_reactive.driver.world.regions import ConflictKind
+
+
+def gap_for_follower(speed: float, ahead: float, headway: float, braking: float) -> float:
+    """Least gap (m) in which a follower at `speed` feels safe behind somebody who comes before it at speed `ahead` (m/s).
+
+    It fears that the one ahead brakes as hard as cars usually can. It must then be able to stop behind him with `braking`
+    (m/s²), and if it brakes as hard, have a time `headway` (s) to react.
+    """
+    feared = 0.5 / FEARED_DECELERATION
+    room = max(speed * (headway + speed * feared), 0.5 * speed * speed / braking) - ahead * ahead * feared
+    return FOLLOWER_STANDSTILL_GAP_M + room if room > 0.0 else 0.0
+
+
+class Passing(NamedTuple):
+    """When the ego is in a region if it goes on now: `arrival` and `clearance` of the region, s from now.
+
+    `merged`: when its rear has passed the region's start. `speed`: its speed then, m/s.
+    """
+
+    arrival: float
+    clearance: float
+    merged: float
+    speed: float
+
+    def later(self, delay: float) -> Passing:
+        """Return the passage of an ego that comes `delay` s later."""
+        return self._replace(arrival=self.arrival + delay, clearance=self.clearance + delay, merged=self.merged + delay)
+
+
+class Threat(NamedTuple):
+    """When a foe is in the region: earliest `arrival`, `clearance`, `merged` (rear past the start), s from now."""
+
+    arrival: float
+    clearance: float
+    merged: float
+
+
+def passing(
+    to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
+) -> Passing:
+    """Foresee the ego's passage; ways in m from the front bumper (`to_clear`: until the rear is out)."""
+    if speed > top_speed and to_region > 0.0:
+        return _slowing(to_region, to_clear, length, speed, acceleration, top_speed)
+    slow = min(speed, top_speed)
+    merged = travel_time(to_region + length, slow, acceleration, top_speed)
+    return Passing(
+        arrival=travel_time(to_region, speed, acceleration, top_speed),
+        clearance=travel_time(to_clear, slow, acceleration, top_speed),
+        merged=merged,
+        speed=min(top_speed, slow + acceleration * merged),
+    )
+
+
+def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:
+    """Foresee an ego that turns round in several moves, `to_start` m ahead: it is in every region for all of the `duration`
+    (s)."""
+    arrival = travel_time(to_start, speed, acceleration, max(speed, 1.0))
+    return Passing(arrival, arrival + duration, arrival + duration, 0.0)
+
+
+def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float) -> Passing:
+    """Foresee a passage by an ego that means to stop `to_stop` m ahead, behind the region if it `to_clear`s that."""
+    if to_stop <= max(to_clear, 0.0):
+        return own
+    braking = max(FOLLOWER_DECELERATION, speed * speed / (2.0 * to_stop))
+    lost = speed * speed - 2.0 * braking * (to_stop - to_clear)
+    if lost <= 0.0:
+        return own  # it need not brake before it has left the region
+    before = max(to_clear - lost / (2.0 * braking), 0.0) / speed
+    return own._replace(clearance=max(own.clearance, before + (speed - math.sqrt(speed * speed - lost)) / braking))
+
+
+def _slowing(
+    to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
+) -> Passing:
+    """Foresee a passage that is slower than the ego is now: at its speed first, then braking, then at `top_speed`."""
+    braking = (speed * speed - top_speed * top_speed) / (2.0 * COMFORT_DECELERATION)
+    if braking < to_region:
+        lead = (to_region - braking) / speed + (speed - top_speed) / COMFORT_DECELERATION
+    else:
+        lead = 2.0 * to_region / (speed + top_speed)
+    inside = (to_clear - to_region) / top_speed
+    earliest = travel_time(to_region, speed, acceleration, top_speed)
+    return Passing(earliest, lead + inside, lead + length / top_speed, top_speed)
+
+
+def threat(foe: Foe, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:
+    """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind, unless
+    it is seen to be `gaining` speed (m/s²) as it leaves."""
+    user = foe.user
+    if user.body.is_person:
+        pace = max(user.speed, 0.5)
+        return Threat(max(foe.to_region, 0.0) / pace, foe.to_clear / pace, foe.to_clear / pace)
+    top = user.speed if expects_ego else max(user.speed, min(foe.conflict.other.speed_limit, user.body.max_speed))
+    to_merged = max(0.0, foe.to_region + user.body.length)
+    slow, fast = max(user.speed, STANDING_SPEED), min(foe.conflict.other.speed_limit, user.body.max_speed)
+    gaining = min(gaining, LEAVING_ACCELERATION)
+    if gaining > 0.0 and slow < fast:
+        clearance, merged = (travel_time(way, slow, gaining, fast) for way in (foe.to_clear, to_merged))
+    else:
+        clearance, merged = foe.to_clear / slow, to_merged / slow
+    return Threat(
+        arrival=travel_time(foe.to_region, user.speed, FOE_ACCELERATION, max(top, STANDING_SPEED)),
+        clearance=clearance,
+        merged=merged,
+    )
+
+
+def is_enough(own: Passing, foe: Foe, other: Threat, patience: float, *, may_follow: bool) -> bool:
+    """Whether the ego may pass before the foe, or after it if it `may_follow`; `patience` (0..1] scales the margins."""
+    if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
+        before, after = _merges_before(own, foe, other, patience), _merges_after(own, foe, other, patience)
+    else:
+        before = own.clearance + GAP_BEFORE_S * patience < other.arrival
+        after = other.clearance + GAP_AFTER_S * patience < own.arrival
+    return before or (may_follow and after)
+
+
+def _merges_before(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
+    """The foe behind must not brake harder than `FOLLOWER_DECELERATION` and keeps a gap."""
+    closing = max(0.0, foe.user.speed - own.speed)
+    to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(foe.user.speed, 1.0)
+    return own.merged + (MERGE_GAP_S + to_adapt) * patience < other.arrival
+
+
+def _merges_after(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
+    """The foe ahead has left the start of the common stretch, and the ego need not brake hard behind it."""
+    return _merged_behind(own, foe, other, patience) < own.arrival
+
+
+def _merged_behind(own: Passing, foe: Foe, other: Threat, patience: float) -> float:
+    """When the ego may come behind a foe onto the common stretch, s from now."""
+    closing = max(0.0, own.speed - foe.user.speed)
+    to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(own.speed, 1.0)
+    return other.merged + (GAP_AFTER_S + to_adapt) * patience
+
+
+def follows_at(own: Passing, foe: Foe, other: Threat) -> float:
+    """Return when the ego may be in the region after a foe that goes on as foreseen, s from now."""
+    if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
+        return _merged_behind(own, foe, other, 1.0)
+    return other.clearance + GAP_AFTER_S

@@ -1,0 +1,160 @@
+"""The room behind an intersection: M enters it only if it can clear it without stopping in a region (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Conflict, PathObstacle, Snapshot
+from sumo_reactive.driver.parameters import (
+    CALL_OFF_SHARE,
+    COMFORT_DECELERATION,
+    FOE_PATIENCE_S,
+    FOLLOWER_STANDSTILL_GAP_M,
+    HARD_STOP_MARGIN_M,
+    MAX_ACCELERATION_IN_PLAN,
+    MISSED_TURN_S,
+    PLANNED_DECELERATION,
+    QUEUE_PATIENCE_S,
+    QUEUED_SPEED,
+    STANDING_SPEED,
+)
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import Crossing
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.travel_time import travel_time
+from sumo_reactive.driver.world.regions import ConflictKind
+
+
+def is_clear_at(way: Crossing, conflicts: tuple[Conflict, ...], limits: VehicleLimits) -> float | None:
+    """Return how far on C (m) the ego's front is when its rear has left every region of a passage (None: it has none).
+
+    Of those that merge, only those whom the ego has to let go first count: the others wait for who stands there.
+    """
+    ends = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING or _merges_first(c)]
+    return way.at(max(ends)) + limits.length if ends else None
+
+
+def _merges_first(conflict: Conflict) -> bool:
+    return conflict.region.kind is ConflictKind.MERGING and conflict.must_yield
+
+
+def taken_by(
+    way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> str:
+    """Return who leaves no room behind the last region of a passage (empty: nobody): the post-conflict region.
+
+    Nobody is in danger: the ego does not brake harder than planned for it. Where the map says that a junction need not be
+    kept clear, it does not wait for ever, nor where nobody comes whom it would block.
+    """
+    if not has(Mechanism.ROOM_BEHIND):
+        return ""
+    clear = is_clear_at(way, conflicts, limits)
+    if _may_wait(way, snapshot, limits.service_deceleration) and _waited(way, snapshot, memory) < QUEUE_PATIENCE_S:
+        nose = _nose_in_the_way(way, conflicts, snapshot)  # the ego has to brake for that body anyway
+        if nose:
+            return nose
+    if clear is None or not _may_wait(way, snapshot):
+        return ""
+    if not way.connection.keep_clear and _waited(way, snapshot, memory) > _patience(way, snapshot):
+        return ""
+    behind = clear + limits.standstill_gap
+    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
+    time = travel_time(behind - snapshot.front, snapshot.ego.speed, acceleration, way.pace)
+    along = [o for o in snapshot.on_path if o.start > snapshot.front and abs(o.across) <= max(o.along, 1.0)]
+    return _too_near(along, time, (way.passage.start, behind))
+
+
+def _nose_in_the_way(way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot) -> str:
+    """Return who waits for the ego where its body is in the ego's way (empty: nobody), since the map draws its line there:
+    he goes if the ego does not, and else both wait for each other."""
+    foes = (foe for foe in snapshot.foes if foe.passage == way.number and foe.to_stop_line >= 0.0)
+    waiting = {foe.user.id for foe in foes if foe.user.speed < QUEUED_SPEED}
+    end = max((way.at(c.region.own.end) for c in conflicts), default=-math.inf)
+    met = (o for o in snapshot.on_path if way.passage.start < o.start < end and not o.user.is_halted)
+    return next((o.user.id for o in met if o.user.id in waiting), "")
+
+
+def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, float]) -> str:
+    """Return whose rear will not have left a junction and the room behind it, `post` (from, to, m of C), after `time` s
+    (empty: everybody's).
+
+    Who moves gets no farther than those ahead let him, and who crawls may stop at once. Who is still before the line may
+    yet turn off, and counts only where he would fill up a queue.
+    """
+    ahead: list[tuple[float, float]] = []
+    for obstacle in sorted(obstacles, key=lambda one: -one.start):
+        way = max(obstacle.along, 0.0) * time
+        if obstacle.along < QUEUED_SPEED:
+            way = min(way, max(obstacle.along, 0.0) * (1.0 + 0.5 * obstacle.along / COMFORT_DECELERATION))
+        is_inside = obstacle.start > post[0]
+        own = obstacle.start + way if is_inside else math.inf
+        ends = [rear for start, rear in ahead if start >= obstacle.end]
+        taken = FOLLOWER_STANDSTILL_GAP_M + obstacle.user.body.length
+        rear = max(min([own, *(end - taken for end in ends)]), obstacle.start)
+        if rear < post[1]:
+            return obstacle.user.id
+        ahead.append((obstacle.start, rear))
+    return ""
+
+
+def _may_wait(way: Crossing, snapshot: Snapshot, braking: float = PLANNED_DECELERATION) -> bool:
+    """Whether planned `braking` (m/s²) still stops the ego before the junction."""
+    room = way.line - HARD_STOP_MARGIN_M - snapshot.front
+    return snapshot.front <= way.passage.start and snapshot.ego.speed**2 <= 2.0 * braking * max(room, 0.0)
+
+
+def _waited(way: Crossing, snapshot: Snapshot, memory: PilotMemory) -> float:
+    """Return how long (s) the ego has stood first before a junction though its light lets it go."""
+    released, since = memory.released
+    return min(memory.standing_for(snapshot.time), snapshot.time - since) if released == way.connection.id else 0.0
+
+
+def _patience(way: Crossing, snapshot: Snapshot) -> float:
+    """Return how long (s) to wait for room where nobody asks for it: short when nobody comes who would be blocked."""
+    blocked = any(foe.passage == way.number and foe.user.speed >= STANDING_SPEED for foe in snapshot.foes)
+    return MISSED_TURN_S if blocked else FOE_PATIENCE_S
+
+
+def wait_before(
+    way: Crossing,
+    conflicts: tuple[Conflict, ...],
+    stops: Iterable[TimeConstraint],
+    snapshot: Snapshot,
+    memory: PilotMemory,
+    limits: VehicleLimits,
+) -> TimeConstraint | None:
+    """Return the first of the `stops` behind a junction at which M would stand in a region of it, moved before its line.
+
+    None: it would stand clear, can no longer stop before the line, or has waited there in vain. A stop of the route is made
+    where the route says.
+    """
+    clear = is_clear_at(way, conflicts, limits) if has(Mechanism.ROOM_BEHIND) else None
+    if clear is None or not _may_wait(way, snapshot) or _waited(way, snapshot, memory) > QUEUE_PATIENCE_S:
+        return None
+    inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason is not Reason.SCHEDULED_STOP)
+    first = min(inside, key=lambda stop: stop.s, default=None)
+    return None if first is None else replace(first, s=way.line)
+
+
+def clear_of(
+    stop: TimeConstraint | None,
+    ways: Iterable[tuple[Crossing, tuple[Conflict, ...]]],
+    plan: NominalPlan,
+    front: float,
+    limits: VehicleLimits,
+) -> TimeConstraint | None:
+    """Return the stop before a change of lanes, moved on until an ego that is inside a junction already is clear of it, but
+    not so far that its body crosses the line between the lanes."""
+    change = None if stop is None else next((c for c in plan.lane_changes if c.end > front), None)
+    if stop is None or change is None or stop.reason is not Reason.NO_GAP or stop.region != change.to_lane:
+        return stop
+    places = (is_clear_at(way, conflicts, limits) for way, conflicts in ways if way.passage.start < front)
+    clear = max((place for place in places if place is not None), default=-math.inf)
+    farthest = change.start + CALL_OFF_SHARE * (change.end - change.start)
+    return replace(stop, s=max(stop.s, min(clear, farthest)))

@@ -1,0 +1,348 @@
+"""The conflict region: one vehicle at a time, and who goes first (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from sumo_reactive.driver.nouns.assessment import Encounter
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.parameters import (
+    BEFORE_THE_LINE_M,
+    COMMITTED_PATIENCE,
+    CREEPING_SPEED,
+    ENTERING_M,
+    FOE_CAN_STOP_DECELERATION,
+    FOE_PATIENCE_S,
+    HESITATING_SPEED,
+    HESITATION_S,
+    LEAST_PATIENCE_S,
+    MAX_ACCELERATION_IN_PLAN,
+    OFF_THE_LINE_M,
+    REGION_MARGIN_M,
+    ROLLING_S,
+    SIGN_STOP_DECELERATION,
+    STANDING_SPEED,
+    TWO_WHEELER_WIDTH_M,
+    WAIT_INTO_M,
+    WAIT_SHIFT_M,
+    ZIPPER_LEAD_M,
+)
+from sumo_reactive.driver.pilot.assessment import would_meet
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import Crossing, View
+from sumo_reactive.driver.pilot.rules.gaps import (
+    Passing,
+    Threat,
+    follows_at,
+    passing,
+    stopping_behind,
+    threat,
+    turning,
+)
+from sumo_reactive.driver.pilot.rules.lights import holds_back, letter_of, outranks
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.travel_time import travel_time
+from sumo_reactive.driver.world.junction import Control
+from sumo_reactive.driver.world.regions import ConflictKind
+
+_SOON_S = 0.01
+"""Later than just enough."""
+
+
+class Judgement(NamedTuple):
+    """What the pilot makes of one foe at one region: whether the ego `passes`, for what `reason`, with whose times (s)."""
+
+    reason: Reason
+    foe: Foe
+    passes: bool
+    own: Passing
+    other: Threat
+
+    @property
+    def region(self) -> str:
+        """The region's id."""
+        return self.foe.conflict.region.id
+
+    @property
+    def decision(self) -> Decision:
+        """The judgement as it is recorded."""
+        behaviour = Behaviour.CROSSING if self.passes else Behaviour.CAUTIOUS
+        figures = (
+            ("arrival_s", self.own.arrival),
+            ("clearance_s", self.own.clearance),
+            ("foe_arrival_s", self.other.arrival),
+            ("foe_clearance_s", self.other.clearance),
+        )
+        return Decision(behaviour, self.reason, self.region, self.foe.user.id, self.passes, figures)
+
+
+def judgements(
+    crossing: Crossing, foes: tuple[Foe, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> Iterator[tuple[Judgement, float | None]]:
+    """Yield what each of the `foes` means for a passage, with the place (m of C) to wait for it (None: go on)."""
+    for foe in foes:
+        if foe.passage != crossing.number:
+            continue
+        judgement = judge(foe, crossing, snapshot, memory, limits)
+        if judgement is not None:
+            yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
+
+
+def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view: View) -> float:
+    """Return in how many seconds the ego can pass `place` (m of C) and meet nobody who is `judged` at a passage, if they go
+    on as foreseen: after the first ones, and before those for whom the gap is enough; infinite: not within ROLLING_S."""
+    snapshot, limits = view.snapshot, view.limits
+    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
+    soonest = travel_time(place - snapshot.front, snapshot.ego.speed, acceleration, crossing.pace)
+    time, left = soonest, list(judged)
+    while time < ROLLING_S:
+        met = [one for one in left if would_meet(one.own.later(time - soonest), one.foe, one.other, 1.0, may_follow=True)]
+        if not met:
+            return time
+        if any(one.foe.user.speed < STANDING_SPEED for one in met):
+            return math.inf  # nobody knows when he goes
+        time = max(time, *(follows_at(one.own, one.foe, one.other) - (one.own.arrival - soonest) for one in met)) + _SOON_S
+        left = [one for one in left if one not in met]
+    return math.inf
+
+
+def arrivals_of(judged: Iterable[Judgement], crossing: Crossing, snapshot: Snapshot) -> Iterator[TimeConstraint]:
+    """Yield when the ego may be in the regions that it passes after somebody: no earlier than he has cleared them."""
+    for one in judged:
+        follows = follows_at(one.own, one.foe, one.other)
+        if one.passes and follows < one.own.arrival < ROLLING_S:
+            place = crossing.at(one.foe.conflict.region.own.start)
+            yield TimeConstraint(
+                place, snapshot.time + follows, reason=one.reason, region=one.region, cause=one.foe.user.id
+            )
+
+
+def encounter_of(judgement: Judgement, crossing: Crossing, view: View) -> Encounter:
+    """Return who, when and where the ego would meet if it went on in spite of a judgement."""
+    s, snapshot = crossing.at(judgement.foe.conflict.region.own.start), view.snapshot
+    x, y, _ = view.plan.curve.at(s)
+    return Encounter(judgement.foe.user.id, snapshot.time + judgement.own.arrival, s, x, y)
+
+
+def without_queues(foes: tuple[Foe, ...]) -> tuple[Foe, ...]:
+    """Return `foes` without those in a queue before their line whose head is judged for all behind it: the foremost of a
+    lane that stands."""
+    heads: dict[str, float] = {}
+    for foe in foes:
+        user = foe.user
+        if foe.to_stop_line >= 0.0 and user.speed < STANDING_SPEED and not user.is_halted and _is_wide(user):
+            heads[user.lane_id] = max(user.lane_position, heads.get(user.lane_id, user.lane_position))
+    return tuple(foe for foe in foes if not _is_behind(heads, foe)) if heads else foes
+
+
+def _is_behind(heads: dict[str, float], foe: Foe) -> bool:
+    """Whether a foe cannot come before the head of its queue does."""
+    head = heads.get(foe.user.lane_id)
+    return head is not None and foe.user.lane_position < head and _is_wide(foe.user)
+
+
+def _is_wide(user: RoadUser) -> bool:
+    """Whether a road user fills its lane: two-wheelers pass queues and are passed."""
+    return not user.body.is_person and user.body.width >= TWO_WHEELER_WIDTH_M
+
+
+def judge(
+    foe: Foe, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> Judgement | None:
+    """Return whether the ego may enter a region before or after a foe; None when the foe does not matter there.
+
+    The conflict-region rule: one vehicle at a time (F&L 1991, §2).
+    """
+    foe = _by_letters(foe, crossing, snapshot)
+    region, front = foe.conflict.region, snapshot.front
+    to_region = crossing.at(region.own.start) - front
+    to_clear = crossing.at(region.own.end) + limits.length - front
+    if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
+        return None
+    if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
+        return None
+    committed = _is_committed(foe.conflict, crossing, snapshot, limits)
+    if _gives_way(foe, committed):
+        return None
+    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
+    own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
+    own = stopping_behind(own, to_clear, snapshot.ego.speed, crossing.stop - front)
+    if crossing.turn is not None:
+        own = turning(crossing.turn.start - front, snapshot.ego.speed, acceleration, crossing.turn.duration)
+    other = threat(foe, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
+    may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
+    if not may_follow and _leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
+        may_follow = True
+        own = own._replace(arrival=travel_time(to_region, snapshot.ego.speed, limits.max_acceleration, crossing.pace))
+    meets = would_meet(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
+    return Judgement(_reason(foe), foe, not meets, own, other)
+
+
+def _entry(conflict: Conflict, crossing: Crossing) -> float:
+    """Arc length on C at which the ego enters: the stop line, or a region that begins before it."""
+    return crossing.at(min(conflict.region.own.start, 0.0))
+
+
+def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
+    """Return the foe with the right of way that the lights' letters leave: nobody yields at a full green or with the light
+    off, whatever the map says, and between paths that yield to each other the higher letter goes first."""
+    if not foe.conflict.is_yielded_to or not snapshot.lights:
+        return foe
+    own, theirs = letter_of(crossing.connection, snapshot), letter_of(foe.conflict.other, snapshot)
+    if theirs and theirs in "GO":
+        foe = foe._replace(conflict=foe.conflict._replace(is_yielded_to=False))
+    conflict = foe.conflict
+    if not (conflict.must_yield and conflict.is_yielded_to):
+        return foe
+    if outranks(own, theirs):
+        return foe._replace(conflict=conflict._replace(must_yield=False))
+    return foe._replace(conflict=conflict._replace(is_yielded_to=False)) if outranks(theirs, own) else foe
+
+
+def _takes_turns(foe: Foe, crossing: Crossing) -> bool:
+    """Whether two lanes merge like a zipper: who is nearer goes first."""
+    return crossing.connection.control is Control.ZIPPER and foe.conflict.region.kind is ConflictKind.MERGING
+
+
+def _is_ahead_of(foe: Foe, to_line: float, to_region: float) -> bool:
+    """Whether an ego, `to_line` and `to_region` m before its line and the region, is nearer than the foe to both.
+
+    SUMO's cars go by the lines, which may lie differently far from where the lanes meet.
+    """
+    return foe.to_region > to_region + ZIPPER_LEAD_M and foe.to_stop_line > to_line + ZIPPER_LEAD_M
+
+
+def _is_certain(foe: Foe) -> bool:
+    """Whether the foe goes through first for certain: too near to stop. One that sees the ego start may hesitate."""
+    body = foe.user.body
+    return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, 0.0)
+
+
+def _leaves_its_stop(foe: Foe) -> bool:
+    """Whether the foe has started from its all-way stop, and has nowhere left to wait but in others' way."""
+    return foe.conflict.other.control is Control.ALL_WAY_STOP and _room_to_wait(foe) is None
+
+
+def _gaining(foe: Foe, snapshot: Snapshot, memory: PilotMemory) -> float:
+    """How a foe that leaves its all-way stop is seen to gain speed, m/s²."""
+    premises = memory.premises
+    known = None if premises is None else premises.speeds.get(foe.user.id)
+    if premises is None or known is None or snapshot.time <= premises.time or not _leaves_its_stop(foe):
+        return 0.0
+    return (foe.user.speed - known) / (snapshot.time - premises.time)
+
+
+def _is_committed(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> bool:
+    """Whether the ego is past the last place where it can wait for a region without standing in others' way."""
+    if snapshot.front <= _entry(conflict, crossing):
+        return False
+    place = _waiting_place(conflict, crossing)
+    return place is None or place < _nearest_stop(snapshot, limits)
+
+
+def _reason(foe: Foe) -> Reason:
+    if foe.user.body.is_person:
+        return Reason.PEDESTRIAN
+    if foe.to_region <= 0.0:
+        return Reason.REGION_OCCUPIED
+    if foe.conflict.must_yield and foe.conflict.is_yielded_to:
+        return Reason.WAIT_FOR_TURN
+    return Reason.YIELD_TO if foe.conflict.must_yield else Reason.FOE_CANNOT_STOP
+
+
+def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Crossing) -> bool:
+    """Whether the foe may be in the region soon: its light lets it, and it does not just stand there.
+
+    A body that stands in the ego's corridor is a leader, whatever the region says.
+    """
+    user, standing = foe.user, memory.standing_for(snapshot.time)
+    if snapshot.ego.speed < HESITATING_SPEED:  # an ego that starts in vain has been waiting all the same
+        standing = max(standing, snapshot.time - memory.progress_time - HESITATION_S)
+    if user.body.is_person:
+        return foe.to_stop_line < 0.0 or _may_step_on(foe, snapshot, standing)
+    if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):
+        return False
+    if user.speed >= STANDING_SPEED:
+        return True
+    if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
+        in_vain = standing > FOE_PATIENCE_S and user.waiting_time > 2.0 * FOE_PATIENCE_S
+        own = snapshot.time - memory.stopped_since if memory.stopped_at == crossing.connection.id else 0.0
+        return user.waiting_time > own and not in_vain
+    patience = min(max(2.0 * FOE_PATIENCE_S - user.waiting_time, LEAST_PATIENCE_S), FOE_PATIENCE_S)
+    return user.waiting_time <= FOE_PATIENCE_S or standing <= patience
+
+
+def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
+    """Whether a pedestrian beside a crossing may walk: at green, or without a light where he goes first.
+
+    One who does not move, though the ego has been `standing` for a while (s), lets it go.
+    """
+    if foe.user.speed < STANDING_SPEED and standing > FOE_PATIENCE_S:
+        return False
+    letter = letter_of(foe.conflict.other, snapshot)
+    return letter in "gG" if letter else foe.conflict.must_yield
+
+
+def _gives_way(foe: Foe, committed: bool) -> bool:
+    """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
+    conflict, user = foe.conflict, foe.user
+    if user.body.is_person:
+        return False
+    if not conflict.must_yield and not conflict.is_yielded_to:
+        return False  # no rule makes it wait, and SUMO's cars then do not look
+    if not committed and min(conflict.region.own.start, conflict.region.other.start) < -BEFORE_THE_LINE_M:
+        return False  # nor do they look at each other before their lines
+    all_way = conflict.other.control is Control.ALL_WAY_STOP
+    if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
+        return False
+    if all_way and not committed and (user.speed < STANDING_SPEED or foe.to_stop_line < OFF_THE_LINE_M):
+        return False  # it stopped before the ego, see `_can_come`, or is already leaving its line
+    room = _room_to_wait(foe)
+    if room is None:
+        return False
+    trusted = SIGN_STOP_DECELERATION if all_way and foe.to_stop_line >= 0.0 else FOE_CAN_STOP_DECELERATION
+    return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)
+
+
+def _room_to_wait(foe: Foe) -> float | None:
+    """The foe's way to the place where it would wait for the ego: inside, else its line; None when it has passed both."""
+    wait, to_line, start = foe.conflict.other.wait_at, foe.to_stop_line, foe.conflict.region.other.start
+    if to_line >= 0.0:
+        return to_line if wait is None or wait > start + WAIT_INTO_M else to_line + wait
+    if wait is None or wait > start + WAIT_SHIFT_M or wait + to_line < -1.0:
+        return None
+    return max(wait + to_line, 0.0)
+
+
+def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
+    """Arc length of the place inside the junction where a turn may wait for a region; None when there is none."""
+    drawn, place, start = crossing.connection.wait_at, crossing.wait_at, conflict.region.own.start
+    if drawn is None or place is None or start < drawn - WAIT_SHIFT_M:
+        return None
+    return crossing.at(min(place, start - REGION_MARGIN_M))
+
+
+def _nearest_stop(snapshot: Snapshot, limits: VehicleLimits) -> float:
+    """Arc length at which the ego can stop; one that stands or creeps a little too far in waits there as well."""
+    speed = snapshot.ego.speed
+    too_far = WAIT_INTO_M if speed < CREEPING_SPEED else 0.0
+    return snapshot.front - too_far + speed * speed / (2.0 * limits.service_deceleration)
+
+
+def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> float | None:
+    """Arc length at which to wait for a region: the waiting place inside, the line, else just before the region."""
+    inside, stops = _waiting_place(conflict, crossing), _nearest_stop(snapshot, limits)
+    line = crossing.line
+    if conflict.region.own.start < 0.0 and snapshot.front > line:
+        return inside if inside is not None and inside >= stops else None  # on it already: off it
+    if crossing.connection.hold_back > 0.0 and snapshot.front <= crossing.passage.start:
+        line = min(max(line, stops), crossing.passage.start)  # too late for it: as soon as can be
+    places = [line] if inside is None else [inside, line]
+    if snapshot.front > crossing.passage.start:
+        places.append(crossing.at(conflict.region.own.start) - REGION_MARGIN_M)
+    return next((place for place in places if place >= stops), None)

@@ -1,0 +1,56 @@
+"""How far the ego may lean to either side of C without leaving its lane."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.parameters import MAX_LEAN_M, PLANS_KEPT
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.corridor import band_of
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+Array = NDArray[np.float64]
+
+OFF_LANE_M = 0.5
+"""Where C runs this far beside its lane's middle, it changes lanes or passes somebody, and nothing is added."""
+
+GROWTH = 0.02
+"""The room grows by no more than this a metre along C: a lean begins and ends smoothly."""
+
+
+def lane_room(graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, s: float) -> tuple[float, float]:
+    """Return how far (m) the ego with its front axle at `s` of C may be to the left and right of it."""
+    left, right = _rooms(plan, graph, limits)
+    i = min(max(int(s / plan.curve.step), 0), len(left) - 1)
+    return left.item(i), right.item(i)
+
+
+@kept(PLANS_KEPT)
+def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Array, Array]:
+    """Return the room (n,) to the left and right of each sample of C, m; none in junctions.
+
+    It is what the corridor, with its margin, leaves of the lane.
+    """
+    curve, band = plan.curve, band_of(plan.curve, limits)
+    left, right = np.zeros(len(curve.x)), np.zeros(len(curve.x))
+    for segment in plan.segments:
+        lane = graph.lanes[segment.lane_id]
+        first, last = max(int(np.ceil(segment.start / curve.step)), 0), int(segment.end / curve.step) + 1
+        at = slice(first, min(last, len(left)))
+        if lane.is_internal or at.start >= at.stop:
+            continue
+        off = lane.spine.offsets(np.column_stack((curve.x[at], curve.y[at])))
+        follows = np.abs(off) < OFF_LANE_M
+        left[at] = np.where(follows, np.clip(0.5 * lane.width - off - band.left[at], 0.0, MAX_LEAN_M), 0.0)
+        right[at] = np.where(follows, np.clip(0.5 * lane.width + off - band.right[at], 0.0, MAX_LEAN_M), 0.0)
+    return _eased(left, curve.step), _eased(right, curve.step)
+
+
+def _eased(room: Array, step: float) -> Array:
+    """Return the greatest room (n,), m, no greater than `room` that grows and falls by at most GROWTH."""
+    slope = GROWTH * step * np.arange(len(room))
+    rising = np.minimum.accumulate(room - slope) + slope
+    return np.asarray(np.minimum.accumulate((rising + slope)[::-1])[::-1] - slope)

@@ -1,1 +1,0 @@
-"""The page of a batch: tables, distributions, pairs, worst trials."""

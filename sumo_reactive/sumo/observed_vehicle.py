@@ -1,0 +1,138 @@
+"""Watching a vehicle from outside, whoever drives it: where it is, and who is near."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import libsumo
+from libsumo import constants as tc
+
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.sumo.net_file import edge_id_of
+from sumo_reactive.sumo.sensor import StopLines, read_signals
+from sumo_reactive.sumo.stand_ins import is_stand_in
+from sumo_reactive.sumo.vehicle_type import heading_of, limits_of
+
+TOUCHING_M = 40.0
+"""Bodies whose fronts are farther apart do not touch: two long ones, rear to rear."""
+
+SAME_LEVEL_M = 3.0
+"""Who differs more in height is on a bridge above, or on the road below."""
+
+_ON_CROSSING = re.compile(r":.*_c\d+$")
+"""Edges that are pedestrian crossings."""
+
+_SEEN = (
+    tc.VAR_POSITION3D, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,
+)  # fmt: skip
+
+
+class VehicleScene(NamedTuple):
+    """The vehicle and the others near it after a step, and the letters of a light whose stop line it crosses (`Scene`)."""
+
+    own: RoadUser
+    others: tuple[RoadUser, ...]
+    crossed: str
+
+
+class ObservedVehicle:
+    """Sees a running vehicle, and all vehicles, and pedestrians on crossings, within `reach` m of it; the simulation goes on
+    unchanged."""
+
+    def __init__(self, vehicle_id: str, reach: float) -> None:
+        self.id = vehicle_id
+        self.limits: VehicleLimits = limits_of(vehicle_id)
+        self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
+        self.arrived = False
+        self.teleports = 0
+        self._reach = reach
+        self._stop_lines = StopLines(read_signals())
+        self._routes: dict[str, tuple[str, tuple[str, ...]]] = {}
+        _subscribe(vehicle_id, reach)
+
+    def look(self) -> VehicleScene | None:
+        """Return what there is to see after a step; None while SUMO has the vehicle off the road, or it has arrived."""
+        self.arrived = self.arrived or self.id in libsumo.simulation.getArrivedIDList()
+        self.teleports += self.id in libsumo.simulation.getStartingTeleportIDList()
+        seen = {} if self.arrived else _seen_from(self.id)
+        if self.id not in seen:
+            return None
+        users = {name: _user(name, values, self._route(name, values)) for name, values in seen.items()}
+        own = users.pop(self.id)
+        return VehicleScene(own, (*users.values(), *self._persons(own)), self._stop_lines.crossed(own.lane_id))
+
+    def _route(self, name: str, seen: Mapping[int, Any]) -> tuple[str, ...]:
+        """Return the edges that a vehicle has still to drive, its present one first; inside a junction the next one."""
+        edge = edge_id_of(seen[tc.VAR_LANE_ID])
+        known = self._routes.get(name)
+        if known is None or known[0] != edge:
+            first = max(libsumo.vehicle.getRouteIndex(name) + edge.startswith(":"), 0)
+            known = self._routes[name] = edge, tuple(libsumo.vehicle.getRoute(name)[first:])
+        return known[1]
+
+    def _persons(self, own: RoadUser) -> Iterator[RoadUser]:
+        """Yield who walks over a crossing near."""
+        person = libsumo.person
+        for name in person.getIDList():
+            if not _ON_CROSSING.match(person.getRoadID(name)):
+                continue
+            (x, y), lane_id = person.getPosition(name), person.getLaneID(name)
+            if math.hypot(x - own.x, y - own.y) < self._reach:
+                body = Body(person.getLength(name), person.getWidth(name), math.nan, math.nan, is_person=True)
+                heading, position = heading_of(person.getAngle(name)), person.getLanePosition(name)
+                yield RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
+
+
+class Bystanders:
+    """Sees who is so near to a vehicle that he might touch it, stand-ins left out; the simulation goes on unchanged.
+
+    Roads that no junction joins lie on different levels where they cross, also in a network without heights.
+    """
+
+    def __init__(self, vehicle_id: str) -> None:
+        self._vehicle_id = vehicle_id
+        self._junctions: dict[str, frozenset[str]] = {}
+        _subscribe(vehicle_id, TOUCHING_M)
+
+    def look(self) -> tuple[RoadUser, ...]:
+        """Return them after a step."""
+        seen = _seen_from(self._vehicle_id)
+        here = self._ends_of(seen[self._vehicle_id][tc.VAR_LANE_ID]) if seen else frozenset()
+        others = (_user(name, one) for name, one in seen.items() if name != self._vehicle_id and not is_stand_in(name))
+        return tuple(user for user in others if not here or not (there := self._ends_of(user.lane_id)) or here & there)
+
+    def _ends_of(self, lane_id: str) -> frozenset[str]:
+        """Return the junctions that a lane joins, one for a lane inside a junction, none where there is no lane."""
+        edge = edge_id_of(lane_id) if lane_id else ""
+        if edge and edge not in self._junctions:
+            ends = libsumo.edge.getFromJunction(edge), libsumo.edge.getToJunction(edge)
+            self._junctions[edge] = frozenset(ends)
+        return self._junctions.get(edge, frozenset())
+
+    def leave(self) -> None:
+        """Look no more: SUMO fails in the next step if a vehicle that is watched is taken off the road from outside."""
+        libsumo.vehicle.unsubscribeContext(self._vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, TOUCHING_M)
+
+
+def _subscribe(vehicle_id: str, reach: float) -> None:
+    libsumo.vehicle.subscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach, list(_SEEN))
+
+
+def _seen_from(vehicle_id: str) -> dict[str, Mapping[int, Any]]:
+    """Return what is subscribed of a vehicle and of those near on its level, by id; empty while it is off the road."""
+    seen = libsumo.vehicle.getContextSubscriptionResults(vehicle_id)
+    if vehicle_id not in seen:
+        return {}
+    level = seen[vehicle_id][tc.VAR_POSITION3D][2]
+    return {name: one for name, one in seen.items() if abs(one[tc.VAR_POSITION3D][2] - level) < SAME_LEVEL_M}
+
+
+def _user(name: str, seen: Mapping[int, Any], route: tuple[str, ...] = ()) -> RoadUser:
+    """Return a vehicle as subscribed."""
+    (x, y, _), angle, speed, lane_id, position, length, width = (seen[variable] for variable in _SEEN)
+    body = Body(length, width, emergency_deceleration=math.nan, max_speed=math.nan)
+    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route)

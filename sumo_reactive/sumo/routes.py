@@ -1,0 +1,91 @@
+"""Routes as SUMO has them: its own quickest way, the lanes on which it does not look for the ego, places passed twice."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
+
+import libsumo
+
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+
+def unmapped_lanes(graph: RoadGraph, edges: Sequence[str]) -> frozenset[str]:
+    """Return the internal lanes of all ways between two consecutive `edges` but the first, by their ids.
+
+    Where several internal edges join the same two edges (two lanes fork to both sides, or two turn beside each other),
+    SUMO looks for a vehicle that keeps its route on one of them only.
+    """
+    return frozenset(lane_id for before, behind in pairwise(edges) for lane_id in _beside_the_first(graph, before, behind))
+
+
+def _beside_the_first(graph: RoadGraph, before: str, behind: str) -> list[str]:
+    ways = [
+        connection.parts
+        for lane in graph.edge_lanes.get(before, ())
+        for connection in graph.outgoing.get(lane.id, ())
+        if connection.parts and graph.lanes[connection.to_lane].edge_id == behind
+    ]
+    known = {graph.lanes[part].edge_id for part in ways[0]} if ways else set()
+    return [part for way in ways[1:] for part in way if graph.lanes[part].edge_id not in known]
+
+
+def quickest_way(vehicle_id: str, firsts: Iterable[str], goals: Sequence[str]) -> tuple[str, ...]:
+    """Return the edges of the quickest way from one of the edges `firsts` by all `goals` in order; empty: there is none."""
+    ways = [way for first in dict.fromkeys(firsts) if (way := _through(vehicle_id, (first, *goals)))]
+    return min(ways, key=lambda way: way[1], default=((), 0.0))[0]
+
+
+def _through(vehicle_id: str, places: Sequence[str]) -> tuple[tuple[str, ...], float] | None:
+    """Return edges and travel time (s) from place to place; None where a leg has no way."""
+    way, time = list(places[:1]), 0.0
+    now, kind = libsumo.simulation.getTime(), libsumo.vehicle.getTypeID(vehicle_id)
+    for start, goal in pairwise(places):
+        if start == goal:
+            continue
+        try:
+            leg = libsumo.simulation.findRoute(start, goal, kind, now)
+        except libsumo.TraCIException:
+            return None
+        if not leg.edges:
+            return None
+        way += leg.edges[1:]
+        time += float(leg.travelTime)
+    return tuple(way), time
+
+
+class RouteWindow:
+    """Keeps SUMO's route of the ego free of edges and junctions that occur twice: SUMO maps a moved vehicle to any pass of a
+    place, so it gets to know only the present one. `number`: which route of the ego's this is, for SUMO keeps the names of
+    all."""
+
+    def __init__(self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str], number: int = 1) -> None:
+        self._ego_id, self._edges, self._number = ego_id, edges, number
+        self._ends = tuple(end_of(edge) for edge in edges)
+        self._needed = len(set(edges)) < len(edges) or len(set(self._ends)) < len(self._ends)
+        self._index = -1
+        self._added: set[str] = set()
+
+    def follow(self, index: int) -> None:
+        """Show SUMO the route from edge `index` on, up to where it would come to the same place again.
+
+        SUMO takes a route only on one of its edges; where roads are shorter than a step or the car, it may still count the
+        ego on the one before. Then the next step shows it.
+        """
+        if not self._needed or index == self._index or libsumo.vehicle.getRoadID(self._ego_id) != self._edges[index]:
+            return
+        last = index + 1
+        while last < len(self._edges) and not self._returns(index, last):
+            last += 1
+        name = f"reactive.route.{self._ego_id}.{self._number}.{index}"
+        if name not in self._added:
+            libsumo.route.add(name, self._edges[index:last])
+            self._added.add(name)
+        with contextlib.suppress(libsumo.TraCIException):
+            libsumo.vehicle.setRouteID(self._ego_id, name)
+            self._index = index
+
+    def _returns(self, first: int, last: int) -> bool:
+        """Whether edge `last` or its end has been passed since edge `first`."""
+        return self._edges[last] in self._edges[first:last] or self._ends[last] in self._ends[first:last]

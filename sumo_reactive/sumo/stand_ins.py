@@ -1,0 +1,261 @@
+"""Stand-ins: they show the ego on a lane that its body occupies but SUMO does not map it to, so that others see it there."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from typing import NamedTuple
+
+import libsumo
+
+from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
+from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.sumo.vehicle_type import KEEP_ROUTE_EXACT, angle_of, front_of
+
+PREFIX = "reactive.ghost."
+"""Ids of stand-ins begin with this; no figure counts them."""
+
+_LEAVING_M, _ALONG = 0.4, 0.95
+"""A front this far beside the middle of its lane begins to leave it, as does one whose car is turned by more than the angle
+with this cosine."""
+
+_VAPORIZED = 3
+_NO_LIMIT = 100.0
+_SPEED_FACTOR = 2.0
+"""Enough for every ego; a large one makes each of SUMO's steps ten times slower."""
+
+_SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
+
+
+class Occupant(NamedTuple):
+    """Who occupies lanes: an ego on lane segment `here` of its plan."""
+
+    graph: RoadGraph
+    plan: NominalPlan
+    here: LaneSegment
+    ego: VehicleState
+    limits: VehicleLimits
+
+    @property
+    def front(self) -> tuple[float, float]:
+        """The middle of the front bumper, m."""
+        return front_of(self.ego.pose, self.limits)
+
+    def behind_front(self, way: float) -> tuple[float, float]:
+        """Return the point `way` m behind the front on the body's axis, m."""
+        (x, y), heading = self.front, self.ego.pose.heading
+        return x - way * math.cos(heading), y - way * math.sin(heading)
+
+
+class OccupiedLane(NamedTuple):
+    """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives.
+
+    `waits`: it does not appear where somebody already is.
+    """
+
+    lane: Lane
+    x: float
+    y: float
+    speed: float
+    edges: tuple[str, ...]
+    waits: bool = False
+
+
+def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = math.inf) -> OccupiedLane | None:
+    """Return where to show the ego besides; None: nowhere. `edges`: its route from its lane segment on; `s`, `stop`: where
+    its front axle is and where its front bumper is to stop, m of C.
+
+    On the oncoming lane the stand-in stands, its front where the ego's rear is: SUMO knows no driving backwards.
+    """
+    graph, speed, own = by.graph, by.ego.speed, by.graph.lanes[by.here.lane_id]
+    x, y = by.front
+    if by.plan.aside is None:
+        if not own.reaches(x, y, by.limits.width):
+            return _swung_out(by, own, edges)
+        lane = lane_in_change(by, s)
+        if lane is not None:
+            return OccupiedLane(lane, x, y, speed, edges)
+        lane = lane_cut_in_bend(by, s, stop)
+        return None if lane is None else OccupiedLane(lane, x, y, speed, edges, waits=True)
+    lane = _beside(graph, own.id, by.plan.aside.lateral)
+    if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - STRADDLE_M:
+        return None
+    if lane.edge_id == own.edge_id:
+        mapped = abs(own.spine.project(x, y)[1]) > abs(lane.spine.project(x, y)[1])
+        return OccupiedLane(own if mapped else lane, x, y, speed, edges)
+    pose, back = by.ego.pose, -by.limits.rear_overhang
+    rear = pose.x + back * math.cos(pose.heading), pose.y + back * math.sin(pose.heading)
+    return OccupiedLane(lane, *rear, 0.0, (lane.edge_id,))
+
+
+def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show an ego that turns round in several moves: where it began, so that those behind leave it the room
+    to back up; None: it is still in the middle of that lane. `edges`: its route from there on."""
+    own = by.graph.lanes[turn.from_lane]
+    turned = math.cos(by.ego.pose.heading - own.spine.heading_at(own.spine.length))
+    if abs(own.spine.project(*by.front)[1]) < _LEAVING_M and turned > _ALONG:
+        return None
+    x, y = by.plan.curve.at(turn.start - STOP_LINE_MARGIN_M)[:2]
+    return OccupiedLane(own, x, y, 0.0, edges)
+
+
+def ahead_of_mapping(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show an ego that turns round in several moves, on the lane that it turns into; None: SUMO maps it to
+    that lane. `edges`: its route from there on."""
+    own, into = by.graph.lanes[turn.from_lane].spine, by.graph.lanes[turn.to_lane]
+    if abs(own.project(*by.front)[1]) > abs(into.spine.project(*by.front)[1]):
+        return None
+    rear = min(into.spine.project(*place)[0] for place in (by.front, by.behind_front(by.limits.length)))
+    return OccupiedLane(into, *into.spine.at(rear + by.limits.length), 0.0, edges)
+
+
+def _swung_out(by: Occupant, own: Lane, edges: tuple[str, ...]) -> OccupiedLane:
+    """Return where to show an ego whose front has swung out of its `own` lane.
+
+    On its own lane, while SUMO maps it to another of the edge; where it maps it to none, on the one under its middle.
+    """
+    graph, width = by.graph, by.limits.width
+    approach = graph.connection_of[own.id].from_lane if own.is_internal else own.id
+    lanes = graph.edge_lanes[graph.lanes[approach].edge_id]
+    if not any(lane.reaches(*by.front, width) for lane in lanes):
+        middle = by.behind_front(0.5 * by.limits.length)
+        under = min(lanes, key=lambda lane: abs(lane.spine.project(*middle)[1]))
+        if under.reaches(*middle, width):
+            return OccupiedLane(under, *middle, by.ego.speed, edges)
+    return OccupiedLane(own, *by.front, by.ego.speed, edges)
+
+
+def _beside(graph: RoadGraph, lane_id: str, lateral: float) -> Lane | None:
+    """Return the lane to the left (`lateral` > 0) or right of a lane: of its own edge, or the oncoming one."""
+    left, right = graph.neighbours(lane_id)
+    oncoming = graph.edge_lanes.get(graph.opposite.get(graph.lanes[lane_id].edge_id, ""), ())
+    return (left if lateral > 0.0 else right) or (oncoming[-1] if oncoming else None)
+
+
+def lane_in_change(by: Occupant, s: float) -> Lane | None:
+    """Return which of the two lanes of a change under way SUMO does not map the ego to; None when there is no change.
+
+    SUMO maps it to the one whose centre is nearer to its front bumper. `s`: arc length of the front axle on C. During the
+    change both lanes must see the ego, and the old one until the rear has left it.
+    """
+    width, lane_id = by.limits.width, by.here.lane_id
+    change = next((c for c in by.plan.lane_changes if c.start <= s <= c.end + by.limits.length), None)
+    lane = by.graph.lanes.get(lane_id)
+    if change is None or lane is None or lane.is_internal:
+        return None
+    is_old = lane_id == change.from_lane or (lane_id != change.to_lane and s < 0.5 * (change.start + change.end))
+    left, right = by.graph.neighbours(lane_id)
+    other = left if (change.side > 0) is is_old else right
+    if other is None:
+        return None
+    d = change.side * lane.spine.project(*by.front)[1]
+    if not is_old and s > change.end and 0.5 * width - d < 0.5 * lane.width - STRADDLE_M:
+        return None
+    return other if abs(d) <= abs(other.spine.project(*by.front)[1]) else lane
+
+
+def lane_cut_in_bend(by: Occupant, s: float, stop: float = math.inf) -> Lane | None:
+    """Return the lane beside the ego's that a long body covers in a bend, now or soon; None: there is none.
+
+    The rear cuts to the inside of a bend, the front swings out of it. Who comes there from behind must see it before the
+    body is across, but not while the ego means to `stop` before. `s`: arc length of the front axle on C, m.
+    """
+    graph, front = by.graph, s + by.limits.front_overhang
+    rear, ahead = front - by.limits.length, max(min(front + by.ego.speed * CUT_SEEN_S, stop), front)
+    for cut in off_tracking_of(by.plan, graph, by.limits):
+        if rear < cut.end and cut.start < ahead:
+            beside = lane_at_side(graph, by.here.lane_id, cut.left)
+            return graph.lanes[cut.lane_id] if beside is None and cut.lane_id.startswith(":") else beside
+    return None
+
+
+def is_stand_in(vehicle_id: str) -> bool:
+    """Whether a vehicle id is a stand-in's."""
+    return vehicle_id.startswith(PREFIX)
+
+
+class StandIns:
+    """At most one stand-in of the ego, created when it is needed and removed when it is not; `label` tells it from others.
+
+    `made`: how many have been created.
+    """
+
+    def __init__(self, ego_id: str, label: str = "") -> None:
+        self.made = 0
+        self._ego_id = ego_id
+        self._name = f"{PREFIX}{ego_id}{label}"
+        self._type = f"{PREFIX}type.{ego_id}{label}"
+        self._present = ""
+        self._edges: tuple[str, ...] = ()
+
+    def appear(self, place: OccupiedLane | None) -> None:
+        """Show it where it has to be, or hide it where it need not (None)."""
+        if place is None:
+            self.hide()
+        else:
+            self.show(*place)
+
+    def show(
+        self, lane: Lane, x: float, y: float, speed: float, edges: tuple[str, ...], waits: bool = False
+    ) -> None:
+        """Put it on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on.
+
+        One that `waits` is not made where somebody is.
+        """
+        s, _ = lane.spine.project(x, y)
+        if self._present and not lane.is_internal and lane.edge_id not in self._edges:
+            self.hide()
+        if not self._present:
+            if waits and _is_taken(lane, s / lane.scale, libsumo.vehicle.getLength(self._ego_id)):
+                return
+            self._edges = edges
+        try:
+            if not self._present:
+                self._create(lane, s / lane.scale, speed, edges)
+            libsumo.vehicle.setSpeed(self._present, speed)
+            angle = angle_of(lane.spine.heading_at(s))
+            libsumo.vehicle.moveToXY(self._present, "", -1, *lane.spine.at(s), angle, KEEP_ROUTE_EXACT)
+        except libsumo.TraCIException:  # taken off the road: the next step makes another; or its class may not be there
+            self._present = ""
+
+    def hide(self) -> None:
+        """Remove the stand-in, if there is one."""
+        if self._present:
+            with contextlib.suppress(libsumo.TraCIException):  # SUMO has already taken it off the road
+                libsumo.vehicle.remove(self._present, _VAPORIZED)
+            self._present = ""
+
+    def _create(self, lane: Lane, position: float, speed: float, edges: tuple[str, ...]) -> None:
+        if not self.made:
+            self._make_type()
+        self.made += 1
+        self._present = f"{self._name}.{self.made}"
+        libsumo.route.add(self._present, edges)
+        starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
+        index, at = (str(lane.index), round(position, 2)) if starts_there else ("best", 0.0)
+        libsumo.vehicle.add(
+            self._present, self._present, self._type, depart="now", departLane=index,
+            departPos=str(at), departSpeed=str(round(speed, 2)),
+        )  # fmt: skip
+        libsumo.vehicle.setSpeedMode(self._present, 32)
+        libsumo.vehicle.setLaneChangeMode(self._present, 0)
+
+    def _make_type(self) -> None:
+        libsumo.vehicletype.copy(libsumo.vehicle.getTypeID(self._ego_id), self._type)
+        libsumo.vehicletype.setMaxSpeed(self._type, _NO_LIMIT)  # SUMO inserts no vehicle above its own limit
+        libsumo.vehicletype.setSpeedDeviation(self._type, 0.0)  # SUMO would draw for ever for a factor within its bounds
+        libsumo.vehicletype.setSpeedFactor(self._type, _SPEED_FACTOR)
+        for device in _SILENT_DEVICES:
+            libsumo.vehicletype.setParameter(self._type, f"has.{device}.device", "false")
+
+
+def _is_taken(lane: Lane, position: float, length: float) -> bool:
+    """Whether somebody is on `lane` where a body of `length` m with its front at `position` (m) would be."""
+    vehicle = libsumo.vehicle
+    fronts = ((vehicle.getLanePosition(other), other) for other in libsumo.lane.getLastStepVehicleIDs(lane.id))
+    return any(front > position - length and front - vehicle.getLength(other) < position for front, other in fronts)

@@ -1,0 +1,276 @@
+"""Where events come about, queues are left, room is kept and turns begin: each row one scene of which one figure grows."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from helpers.cars import CAR
+from helpers.situations import Situation, before
+from helpers.turning_points import turns_at
+
+from sumo_reactive.driver.controller import passages_ahead
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
+from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.forecast import Queue, Queued
+from sumo_reactive.driver.nouns.plan import Move, ParallelLane, Turnaround
+from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.parameters import (
+    BEHAVIOUR_TOLERANCE,
+    CAUTIOUS_AHEAD_M,
+    CAUTIOUS_AHEAD_S,
+    COMFORT_DECELERATION,
+    DELAY_STEP_S,
+    ENTERING_M,
+    HALTED_ROOM_M,
+    HEAD_STANDS_S,
+    NO_PROGRESS_S,
+    OFF_NOMINAL_SPEED,
+    PROGRESS_M,
+    QUEUE_GAIN_S,
+    QUEUE_HEADWAY_S,
+    STANDING_SPEED,
+    SWING_OUT_M,
+    TIME_TOLERANCE_S,
+    TRUST_AHEAD_S,
+    TRUST_S,
+    TURNAROUND_PATIENCE_S,
+    TURNAROUND_REACHED_M,
+)
+from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
+from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue
+from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
+from sumo_reactive.driver.pilot.events import detect, only_foes
+from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import view_of
+from sumo_reactive.driver.pilot.pilot import confirm, may_confirm, notice
+from sumo_reactive.driver.pilot.situation import LaneChanging
+
+SOUTH_NORTH, WEST_EAST, STREET = ("from_south", "to_north"), ("from_west", "to_east"), ("eastbound", "eastbound_out")
+ROAD = ("road_before_exit", "road_after_exit")
+Holds = Callable[[float], bool]
+
+ego_at = cache(before)
+
+
+def minor() -> Situation:
+    return ego_at("four_way_priority", SOUTH_NORTH, 100.0, 8.0)
+
+
+def road(speed: float = 15.0) -> Situation:
+    return ego_at("multi_lane_road", ROAD, 380.0, speed)
+
+
+@cache
+def first(ego: Situation, *users: RoadUser) -> tuple[CompletedPlan, PilotMemory]:
+    """What the ego holds and remembers after a first step."""
+    drive = ego.step(*users).drive
+    assert drive.completed is not None
+    return drive.completed, drive.memory
+
+
+def events(ego: Situation, snapshot: Snapshot, *users: RoadUser, **remembered) -> list[EventKind]:
+    """The kinds of what has happened since that step; what is not asked for is remembered so that nothing is due."""
+    held, memory = first(ego, *users)
+    patient = {"progress_time": snapshot.time, "delay": 1e4, **remembered}
+    ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    return [one.kind for one in detect(snapshot, ego.plan, ahead, held, memory._replace(**patient), no_command=False)]
+
+
+def stage_changes(left: float, since: float = 60.0) -> bool:
+    """Whether a junction is an event `left` m before its line for an ego that was `since` m before it."""
+    ego = ego_at("four_way_priority", SOUTH_NORTH, since, 8.0)
+    front = ego.line - left
+    return EventKind.INTERSECTION in events(ego, ego.seen()._replace(front=front, s=front - CAR.front_overhang))
+
+
+def after(kind: EventKind, **remembered) -> Holds:
+    """Whether this has happened so many seconds after the first step."""
+    ego = road()
+    return lambda seconds: kind in events(ego, ego.seen()._replace(time=ego.time + seconds), **remembered)
+
+
+def speed_changes(kind: EventKind, now: float) -> Holds:
+    ego = road(now)
+    return lambda speed: kind in events(ego, ego.at_speed(speed).seen())
+
+
+def other_changes(speed: float) -> bool:
+    ego = road()
+    x = ego.ahead("x", 55.0, 8.0)
+    return EventKind.OTHER_BEHAVIOUR in events(ego, ego.seen(x._replace(speed=speed)), x)
+
+
+def trusts_for(ego: Situation, *users: RoadUser) -> float:
+    premises = first(ego, *users)[1].premises
+    assert premises is not None
+    return premises.trusted_until - premises.time
+
+
+def lights() -> Situation:
+    ego = ego_at("signalised_left_turns", ("from_south", "to_west"), 50.0, 6.0)
+    return replace(ego, plan=replace(ego.plan, joins=0.0, lane_changes=()))
+
+
+WAY = ParallelLane("from_south_1", "from_south_0", -1, 1.0)
+
+
+def queued(ahead: float, speed: float = 0.0, waiting: float = 60.0) -> Queued:
+    stood = waiting if speed == 0.0 else 0.0
+    return Queued(lights().other(f"x{ahead:g}", "from_south_0", 20.0, speed, (), stood), ahead, False)
+
+
+def leaves(own: tuple[Queued, ...], beside=(), go: float = 20.0, x: float | None = None, ego=None, cost=1.0) -> LaneChanging:
+    """What the ego makes of its queue, the light having let it go for `go` s, somebody `x` m ahead."""
+    ego = lights() if ego is None else ego
+    green = {"centre": "G" * 12}
+    users = () if x is None else (ego.ahead("near", x, 0.0),)
+    ways = ego.considered(lights=green).ways
+    queues = Queue("from_south_1", own), Queue("from_south_0", tuple(beside), replace(WAY, cost=cost))
+    memory = PilotMemory(released=(ways[0].connection.id, ego.time - go))
+    outlook = ego.outlook()._replace(queues=queues)
+    return leave_queue(ego.seen(*users, lights=green), ego.plan, outlook, ways, memory, CAR)
+
+
+STUCK = (queued(30.0), queued(22.0))
+
+
+def keeps_room(speed: float) -> Holds:
+    """Whether the ego keeps room behind somebody who has halted so far ahead."""
+    ego = ego_at("blocked_lane", STREET, 300.0, speed)
+    return lambda gap: room_behind(ego.considered(ego.ahead("x", gap, 0.0, halted=True))) is not None
+
+
+def backs_up(gap: float, speed: float = 0.0) -> bool:
+    ego = ego_at("blocked_lane", STREET, 200.0, speed)
+    found = escape(ego.considered(ego.ahead("x", gap, 0.0, halted=True)))
+    return found is not None and found.instruction is Instruction.BACK_UP
+
+
+def is_blamed(gap: float) -> bool:
+    """Whether somebody who has halted so far ahead, and cannot be passed, is to blame that the ego does not get on."""
+    ego = ego_at("multi_lane_road", ROAD, 380.0, 0.0, 2)
+    found = escape(ego.considered(ego.ahead("x", gap, 0.0, halted=True), events=(Event(EventKind.NO_PROGRESS),)))
+    return found is not None and found.decision.reason is Reason.BLOCKED
+
+
+def begins(away: float = 1.0, speed: float = 0.0, stop: float | None = None, stood: float | None = None) -> bool:
+    """Whether the ego begins its turn in several moves, `away` m ahead; `stood`: somebody comes over, it stood so long."""
+    ego = ego_at("blocked_lane", STREET, 300.0, speed)
+    start = ego.seen().front + away
+    move = Move(1, 0.6, 0.23, ego.ego.pose.heading + 3.1, is_last=True)
+    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, (move,), 20.0, 5.0)
+    memory = PilotMemory() if stood is None else PilotMemory(standing_since=ego.time - stood)
+    place = None if stop is None else stop_at(start + stop, Reason.RED_LIGHT)
+    plan, over = replace(ego.plan, turnarounds=(turn,)), "" if stood is None else "x"
+    reason = place_to_begin(ego.seen(), plan, memory, over).reason
+    assert reason is (Reason.COMES_OVER if stood is not None and stood < TURNAROUND_PATIENCE_S else Reason.NARROW_TURN)
+    return turn_round(ego.seen(), plan, place, memory, comes_over=over) is not None
+
+
+BRAKING = 6.0**2 / (2.0 * CAR.comfort_deceleration)
+ROWS: dict[str, tuple[Holds, float, float, float]] = {
+    "m before the line that a junction is near": (
+        stage_changes, 30.0, 90.0, CAUTIOUS_AHEAD_M + 8.0 * CAUTIOUS_AHEAD_S + 64.0 / (2.0 * COMFORT_DECELERATION),
+    ),
+    "m before the line that the ego enters": (lambda m: stage_changes(m, 20.0), 1.0, 15.0, ENTERING_M),
+    "m before the line that it is inside": (lambda m: stage_changes(m, 3.0), -2.0, 3.0, 0.0),
+    "s until a delay": (after(EventKind.DELAY, delay=0.0), 0.0, 20.0, DELAY_STEP_S),
+    "s until a greater delay": (after(EventKind.DELAY, delay=4.0), 0.0, 20.0, DELAY_STEP_S + 4.0),
+    "s without progress": (after(EventKind.NO_PROGRESS, progress_time=100.0), 0.0, 90.0, NO_PROGRESS_S),
+    "s without progress after two escapes": (
+        after(EventKind.NO_PROGRESS, progress_time=100.0, escapes=2), 0.0, 90.0, 3.0 * NO_PROGRESS_S,
+    ),
+    "s until a stop is served": (after(EventKind.TIME_REACHED, serving_until=103.0), 0.0, 9.0, 3.0),
+    "s until a constraint is missed": (
+        after(EventKind.CONSTRAINT_MISSED), 0.0, 90.0, road().plan.time_constraints[0].time + TIME_TOLERANCE_S - 100.0,
+    ),
+    "m/s of a standstill": (speed_changes(EventKind.STANDSTILL, 0.0), 0.0, 2.0, STANDING_SPEED),
+    "m/s off nominal": (
+        speed_changes(EventKind.OFF_NOMINAL, 15.0), 8.0, 15.0,
+        road().plan.nominal_speed(road().seen().s) - OFF_NOMINAL_SPEED,
+    ),
+    "m/s of another who slows down": (other_changes, 4.0, 8.0, 8.0 - BEHAVIOUR_TOLERANCE),
+    "m/s of another who speeds up": (other_changes, 8.0, 12.0, 8.0 + BEHAVIOUR_TOLERANCE),
+    "s that a light has let a queue go": (
+        lambda s: leaves(STUCK, go=s).side != 0, 0.5, 20.0, QUEUE_GAIN_S - 2 * QUEUE_HEADWAY_S,
+    ),
+    "s that its head has stood": (
+        lambda s: leaves((queued(30.0, waiting=s), queued(22.0)), cost=0.6).side != 0, 0.5, 20.0, HEAD_STANDS_S,
+    ),
+    "m of a queue that drives off": (lambda m: leaves((queued(34.7 + m, 4.0), queued(30.0))).side != 0, 1.0, 30.0, 12.0),
+    "m of room to swing out of a queue": (lambda m: leaves(STUCK, x=m).side != 0, 2.0, 40.0, SWING_OUT_M + BRAKING),
+    "m that room is kept behind who has halted": (keeps_room(6.0), 8.0, 40.0, HALTED_ROOM_M + BRAKING - 0.5),
+    "m that an ego which stands is near enough": (lambda m: keeps_room(0.0)(m), 5.0, 8.4, HALTED_ROOM_M - 1.5),
+    "m that make the ego back up": (backs_up, 3.0, 8.0, HALTED_ROOM_M - 1.5),
+    "m until which it backs up": (lambda m: backs_up(m, -0.5), 3.0, 9.0, HALTED_ROOM_M - 0.02),
+    "m/s of an ego that does not back up": (lambda v: backs_up(3.0, v), 0.0, 1.0, STANDING_SPEED),
+    "m ahead of who is to blame": (is_blamed, 3.0, 20.0, HALTED_ROOM_M + 1.0),
+    "m before a turn in several moves": (lambda m: begins(away=m), 0.0, 5.0, TURNAROUND_REACHED_M),
+    "m/s before a turn in several moves": (lambda v: begins(speed=v), 0.0, 1.0, STANDING_SPEED),
+    "m behind its beginning that a stop keeps it": (lambda m: begins(stop=m), 2.0, 20.0, 11.0),
+    "s that it lets others come over": (lambda s: begins(stood=s), 1.0, 60.0, TURNAROUND_PATIENCE_S),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_on_the_way_the_pilots_word_turns_over_at(name):
+    holds, low, high, figure = ROWS[name]
+    assert turns_at(holds, low, high) == pytest.approx(figure, abs=0.005)
+
+
+def test_near_a_junction_the_others_are_foreseen_anew_sooner_than_far_from_it_and_not_at_all_where_nobody_comes():
+    far, near = (ego_at("four_way_priority", SOUTH_NORTH, away, 8.0) for away in (60.0, 30.0))
+    approaching = far.remembering(behaviour=Behaviour.CAUTIOUS)
+    foe = far.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
+    assert (trusts_for(approaching, foe), trusts_for(near, foe)) == pytest.approx((TRUST_AHEAD_S, TRUST_S))
+    assert trusts_for(far, foe) == trusts_for(near) == float("inf")
+
+
+@pytest.mark.parametrize(("way", "escapes"), [(PROGRESS_M - 0.1, 2), (PROGRESS_M + 0.1, 0), (-PROGRESS_M - 0.1, 0)])
+def test_an_ego_that_gets_on_forgets_its_escapes(way, escapes):
+    snapshot = minor().seen()
+    memory = PilotMemory(progress_s=snapshot.s - way, progress_time=7.0, escapes=2, standing_since=50.0)
+    found = notice(snapshot, memory)
+    assert (found.escapes, found.standing_since) == (escapes, None)
+    last = (snapshot.s, snapshot.time) if escapes == 0 else (snapshot.s - way, 7.0)
+    assert (found.progress_s, found.progress_time) == last
+
+
+def test_what_only_foes_do_leaves_the_word_to_the_highway_code():
+    ego = minor()
+    snapshot = ego.seen(ego.ahead("x", 20.0, 8.0))
+    doings = (EventKind.FORECAST_EXPIRED, EventKind.OTHER_BEHAVIOUR, EventKind.NEW_OBSTACLE)
+    for kind in EventKind:
+        assert only_foes((Event(kind, "foe"),), snapshot) is (kind in doings)
+    assert not only_foes((Event(EventKind.OTHER_BEHAVIOUR, "foe"), Event(EventKind.OTHER_BEHAVIOUR, "x")), snapshot)
+
+
+def test_a_decision_is_confirmed_while_the_code_asks_a_moving_ego_for_the_same():
+    ego = ego_at("four_way_priority", SOUTH_NORTH, 30.0, 8.0)
+    foe = ego.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
+    held, memory = first(ego, foe)
+    later = ego.seen(ego.later(foe, 0.4))._replace(time=100.4)
+    view = view_of(later, ego.plan, CAR, passages_ahead(ego.graph, ego.plan, later.passages))
+    found = confirm(view, held, memory)
+    assert found is not None and found.premises is not None and memory.premises is not None
+    assert (found.premises.time, found.premises.trusted_until) == pytest.approx((100.4, 100.4 + TRUST_S))
+    kept = memory.premises._replace(time=100.4, trusted_until=found.premises.trusted_until)
+    assert found == memory._replace(premises=kept._replace(speeds=found.premises.speeds))
+    assert confirm(view._replace(snapshot=ego.seen()._replace(time=100.4)), held, memory) is None
+    assert confirm(view, held, memory._replace(premises=None)) is None
+
+
+@pytest.mark.parametrize(
+    ("what", "may"),
+    [({}, True), ({"is_watchful": True}, False), ({"is_seeking": True}, False), ({"is_standing": True}, True)],
+)
+def test_what_rests_on_more_than_the_code_is_not_confirmed(what, may):
+    memory = first(minor())[1]
+    assert memory.premises is not None
+    assert may_confirm(minor().seen(), memory._replace(premises=memory.premises._replace(**what))) is may
+    assert not may_confirm(minor().at_speed(0.05).seen(), memory)
+    assert not may_confirm(minor().seen(), PilotMemory())

@@ -1,0 +1,35 @@
+"""Where an ego is shown besides, asked value by value."""
+
+import math
+
+from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.sumo import stand_ins
+from sumo_reactive.sumo.stand_ins import Occupant
+from sumo_reactive.sumo.vehicle_type import pose_of
+
+
+def occupied(graph, plan, here, ego, s, limits, edges, stop=math.inf):
+    """The lane besides that of C, and where on it."""
+    return stand_ins.occupied_lane(Occupant(graph, plan, here, ego, limits), s, edges, stop)
+
+
+def in_change(graph, plan, here, x, y, s, limits):
+    """The lane of a change that SUMO does not map a front at (x, y) to."""
+    ego = VehicleState(pose_of(x, y, 0.0, limits), 5.0, 0.0)
+    return stand_ins.lane_in_change(Occupant(graph, plan, here, ego, limits), s)
+
+
+def cut_in_bend(graph, plan, here, s, speed, limits, stop=math.inf):
+    """The lane that a body at `s` m of C, at `speed` m/s, cuts."""
+    ego = VehicleState(Pose(0.0, 0.0, 0.0), speed, 0.0)
+    return stand_ins.lane_cut_in_bend(Occupant(graph, plan, here, ego, limits), s, stop)
+
+
+def behind(graph, plan, turn, ego, limits, edges):
+    """Where it began to turn round."""
+    return stand_ins.left_behind(Occupant(graph, plan, None, ego, limits), turn, edges)
+
+
+def ahead(graph, turn, ego, limits, edges):
+    """On the lane that it turns into."""
+    return stand_ins.ahead_of_mapping(Occupant(graph, None, None, ego, limits), turn, edges)
