@@ -115,7 +115,7 @@ def passing(others: list[RoadUser], room: tuple[float, float] = ROOM, speed: flo
         x, y = p.x + middle * math.cos(p.heading), p.y + middle * math.sin(p.heading)
         own = Footprint(x, y, p.heading, CAR.length, CAR.width)
         bodies = [Footprint(u.x, u.y, u.heading, u.body.length, u.body.width) for u in at(snapshot.time)]
-        nearest = min(nearest, *(shapely.distance(*(shapely.polygons(box.corners()) for box in (own, one))) for one in bodies))
+        nearest = min(nearest, *shapely.distance(shapely.polygons(own.corners()), [shapely.polygons(b.corners()) for b in bodies]))
         lateral = max(lateral, abs(state.speed**2 * math.sin(state.steering_angle) / CAR.wheelbase))
         offsets.append(snapshot.d)
     return offsets, nearest, lateral
