@@ -20,7 +20,7 @@ def kept_after(trials):
         run_trial(replace(scenario, seed=seed, until_s=25.0))
     gc.collect()
     found = gc.get_objects()
-    return len(found), sum(isinstance(one, RoadGraph) for one in found)
+    return len(found), sum(type(one) is RoadGraph for one in found)
 
 
 def test_memory_does_not_grow_with_the_trials():
