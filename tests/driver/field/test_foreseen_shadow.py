@@ -115,7 +115,8 @@ def passing(others: list[RoadUser], room: tuple[float, float] = ROOM, speed: flo
         x, y = p.x + middle * math.cos(p.heading), p.y + middle * math.sin(p.heading)
         own = Footprint(x, y, p.heading, CAR.length, CAR.width)
         bodies = [Footprint(u.x, u.y, u.heading, u.body.length, u.body.width) for u in at(snapshot.time)]
-        nearest = min(nearest, *shapely.distance(shapely.polygons(own.corners()), [shapely.polygons(b.corners()) for b in bodies]))
+        beside = [shapely.polygons(body.corners()) for body in bodies]
+        nearest = min(nearest, *shapely.distance(shapely.polygons(own.corners()), beside))
         lateral = max(lateral, abs(state.speed**2 * math.sin(state.steering_angle) / CAR.wheelbase))
         offsets.append(snapshot.d)
     return offsets, nearest, lateral
