@@ -27,6 +27,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import shapely
 from digests import listed_runs
 
 from sumo_reactive.driver.ablation import Mechanism
@@ -336,8 +337,9 @@ def _clearance(scene: Scene) -> float:
         for user in (*scene.users, *scene.beside)  # who is parked is on no lane: only the second hold him
         if math.hypot(user.x - step.x, user.y - step.y) < reach + user.body.length + user.body.width
     )
-    bodies = (Footprint(user.x, user.y, user.heading, user.body.length, user.body.width) for user in near)
-    return min((ego.clearance(body) for body in bodies), default=CLEAR_M)
+    bodies = [Footprint(user.x, user.y, user.heading, user.body.length, user.body.width) for user in near]
+    boxes = [shapely.polygons(body.corners()) for body in bodies]
+    return float(min(CLEAR_M, *shapely.distance(shapely.polygons(ego.corners()), boxes))) if boxes else CLEAR_M
 
 
 def losses(whole: Runs, without: Runs) -> dict[str, float]:

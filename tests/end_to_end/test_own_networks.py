@@ -99,7 +99,7 @@ def touched(run: Run) -> set[str]:
     for scene, (_, ego) in zip(run.scenes, run.boxes(), strict=True):
         for user in scene.users:
             body = Footprint(user.x, user.y, user.heading, user.body.length, user.body.width)
-            if ego.overlaps(body):
+            if shapely.intersects(shapely.polygons(ego.corners()), shapely.polygons(body.corners())):
                 found.add(user.id)
     return found
 

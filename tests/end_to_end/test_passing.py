@@ -8,6 +8,7 @@ from pathlib import Path
 
 import libsumo
 import pytest
+import shapely
 from sumolib import checkBinary
 
 from sumo_reactive.driver.geometry.footprint import Footprint
@@ -46,7 +47,7 @@ class Witness:
         ego = Footprint(step.x, step.y, step.heading, LENGTH, WIDTH)
         for user in scene.users:
             body = Footprint(user.x, user.y, user.heading, user.body.length, user.body.width)
-            if ego.overlaps(body):
+            if shapely.intersects(shapely.polygons(ego.corners()), shapely.polygons(body.corners())):
                 self.touched.add(user.id)
             braking = (user.speed - self._speeds.get(user.id, user.speed)) / libsumo.simulation.getDeltaT()
             if braking < HARD_BRAKING and not user.id.startswith("polygon:") and self._is_led(user.id):
