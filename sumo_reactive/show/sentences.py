@@ -13,7 +13,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.NEW_ROUTE: "the route is planned anew, since the turn to the edge named was missed",
     EventKind.NEW_OBSTACLE: "a new obstacle is ahead",
     EventKind.INTERSECTION: "the ego reaches the next stage of an intersection",
-    EventKind.STOP_AHEAD: "a stop of the route comes into reach",
+    EventKind.STOP_AHEAD: "a stop of the route, or a turn in several moves, comes into reach",
     EventKind.LANE_CHANGE: "a lane change comes into reach",
     EventKind.LIGHT_CHANGE: "a light changes",
     EventKind.OTHER_BEHAVIOUR: "somebody does something else than foreseen",

@@ -13,7 +13,7 @@ class EventKind(Enum):
     NEW_ROUTE = "a new route, since a turn was missed"
     NEW_OBSTACLE = "a new obstacle ahead"
     INTERSECTION = "an intersection comes into reach, or its line, or its end"
-    STOP_AHEAD = "a stop of the route comes into reach"
+    STOP_AHEAD = "a stop of the route, or a turn in several moves, comes into reach"
     LANE_CHANGE = "a lane change that the route needs comes into reach"
     LIGHT_CHANGE = "a light changes"
     OTHER_BEHAVIOUR = "a road user does something else than foreseen"

@@ -23,6 +23,7 @@ from sumo_reactive.driver.parameters import (
     TRUST_S,
 )
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
+from sumo_reactive.driver.pilot.behaviours.turning_round import is_in_reach
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
 from sumo_reactive.driver.pilot.passages import Ahead, View, reach_of
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules
@@ -92,7 +93,7 @@ def premises_of(
         is_watchful=is_watchful,
         is_settled=is_settled,
         asks=asks,
-        stop_is_near=is_next(snapshot, plan, ahead, memory),
+        halts=_halts(snapshot, plan, ahead, memory),
         asked=rules.gist,
         trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
     )
@@ -143,7 +144,7 @@ def _own(
     found: list[Event] = []
     if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
         found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
-    if not premises.stop_is_near and plan.stops and is_next(snapshot, plan, ahead, memory):
+    if not premises.halts and _halts(snapshot, plan, ahead, memory):
         found.append(Event(EventKind.STOP_AHEAD))
     if not premises.is_seeking and seeks(snapshot, plan):
         found.append(Event(EventKind.LANE_CHANGE))
@@ -152,6 +153,13 @@ def _own(
     if not premises.is_off_nominal and _is_off_nominal(snapshot, plan):
         found.append(Event(EventKind.OFF_NOMINAL))
     return found
+
+
+def _halts(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory) -> bool:
+    """Whether a place to halt at, by the route or for a turn in several moves, is in reach."""
+    if not plan.stops and not plan.turnarounds:
+        return False
+    return is_next(snapshot, plan, ahead, memory) or is_in_reach(snapshot, plan)
 
 
 def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:

@@ -20,8 +20,9 @@ class Premises(NamedTuple):
     `regions`: ids of those that somebody could reach. `stages`: how far the ego had come in each passage in sight, and how
     many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_watchful`: it rests on
     the others' motion from moment to moment. `is_settled`: it rests on none of the others, for a light or a time decides.
-    `asks`: it rests on those who can reach a region, for the behaviour asks who goes first. `stop_is_near`: a stop of the
-    route is in reach. `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast of others holds.
+    `asks`: it rests on those who can reach a region, for the behaviour asks who goes first. `halts`: a stop of the route or
+    a turn in several moves is in reach. `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast
+    of others holds.
     """
 
     plan: NominalPlan
@@ -38,7 +39,7 @@ class Premises(NamedTuple):
     is_watchful: bool
     is_settled: bool
     asks: bool
-    stop_is_near: bool
+    halts: bool
     asked: Hashable
     trusted_until: float
 

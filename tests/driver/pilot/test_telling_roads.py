@@ -437,7 +437,7 @@ tuned 10.00 1.00 1.00
 STOPPING because SCHEDULED_STOP from_west_0
 0 regions
 DEGRADED late 6.74 for -99.00
-rests on for inf is_standing is_settled asks stop_is_near
+rests on for inf is_standing is_settled asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 serves until 104.00
@@ -449,7 +449,7 @@ tuned 10.00 1.00 1.00
 CROSSING passes NARROW_TURN 2 moves
 0 regions
 FINE late 0.90 for 0.00
-rests on for inf is_standing asks
+rests on for inf is_standing asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 move (0, 0)
@@ -461,7 +461,7 @@ tuned 10.00 1.00 1.00
 CAUTIOUS because NARROW_TURN
 0 regions
 FINE late 0.61 for 0.00
-rests on for inf asks
+rests on for inf asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0

@@ -92,13 +92,15 @@ def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> T
     return Turning(turn.moves[-1], decision, after, memory._replace(move=None))
 
 
+def is_in_reach(snapshot: Snapshot, plan: NominalPlan) -> bool:
+    """Whether the ego comes to where a turn in several moves begins."""
+    number = _next(snapshot, plan)
+    return number is not None and plan.turnarounds[number].start - snapshot.front < reach_of(snapshot.ego.speed)
+
+
 def is_near(situation: Situation) -> bool:
     """The ego turns round, or comes to where it will."""
-    snapshot, plan = situation.snapshot, situation.plan
-    number = _next(snapshot, plan)
-    if situation.memory.move is not None or number is None:
-        return situation.memory.move is not None
-    return plan.turnarounds[number].start - snapshot.front < reach_of(snapshot.ego.speed)
+    return situation.memory.move is not None or is_in_reach(situation.snapshot, situation.plan)
 
 
 def is_over(situation: Situation) -> bool:
