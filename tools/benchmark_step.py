@@ -94,6 +94,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
     from sumo_reactive.driver.field.executor import execute
     from sumo_reactive.driver.nouns.event import Event, EventKind
     from sumo_reactive.driver.pilot.events import detect
+    from sumo_reactive.driver.pilot.passages import view_of
     from sumo_reactive.driver.pilot.pilot import Style, decide
     from sumo_reactive.driver.view.outlook import outlook
     from sumo_reactive.driver.view.perceive import perceive
@@ -101,7 +102,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
     step = controller.step(traffic, drive, PERIOD_S)
     graph, limits, plan, snapshot = controller.graph, controller.limits, drive.plan, step.snapshot
     ahead, after = passages_ahead(graph, plan, snapshot.passages), step.drive
-    view = outlook(traffic, snapshot, plan, graph, limits)
+    foreseen, view = outlook(traffic, snapshot, plan, graph, limits), view_of(snapshot, plan, limits, ahead)
     event = (Event(EventKind.NEW_PLAN),)
     between = after._replace(ego=drive.ego, s=drive.s)
     return {
@@ -111,7 +112,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
         "  what lies ahead": lambda: passages_ahead(graph, plan, snapshot.passages),
         "  detect events": lambda: detect(snapshot, plan, ahead, after.completed, after.memory, False),
         "  outlook (on an event)": lambda: outlook(traffic, snapshot, plan, graph, limits),
-        "  decide (on an event)": lambda: decide(snapshot, plan, ahead, view, event, drive.memory, limits, Style()),
+        "  decide (on an event)": lambda: decide(view, foreseen, event, drive.memory, Style()),
         "  execute": lambda: execute(snapshot, step.completed, limits, PERIOD_S),
     }
 
