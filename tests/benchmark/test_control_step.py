@@ -12,6 +12,7 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.parameters import NEAR_M
 from sumo_reactive.driver.pilot.events import detect
+from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import Style, decide
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import perceive
@@ -74,7 +75,7 @@ def test_deciding(benchmark, controller, traffic, drive):
     ahead = passages_ahead(controller.graph, drive.plan, snapshot.passages)
     view = outlook(traffic, snapshot, drive.plan, controller.graph, CAR)
     event = (Event(EventKind.NEW_PLAN),)
-    completed, _ = benchmark(decide, snapshot, drive.plan, ahead, view, event, drive.memory, CAR, Style())
+    completed, _ = benchmark(decide, view_of(snapshot, drive.plan, CAR, ahead), view, event, drive.memory, Style())
     assert completed.stop is not None
 
 
