@@ -85,27 +85,14 @@ def decide(
     1. Assess: how does it end if everybody goes on? 2. Choose the behaviour. 3. Ask the rules that it names. 4. Carry it
     out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
-    snapshot, plan, limits = view.snapshot, view.plan, view.limits
-    memory = memory._replace(released=released(snapshot, view.ways, memory))
-    assessment = _assess(view, outlook, memory)
-    changing = _changing(view, outlook, memory)
-    x = next_on_way(snapshot)
-    situation = Situation(
-        snapshot, plan, limits, memory, events, view.ahead, view.ways, x, None, assessment, outlook, None, changing
-    )
-    situation = situation._replace(proof=overtaking.try_out(situation))
+    snapshot, plan = view.snapshot, view.plan
+    situation = _considered(view, outlook, events, memory._replace(released=released(snapshot, view.ways, memory)))
     behaviour = next_behaviour(situation)
-    asks = RULES[behaviour].asks
-    changing = changing if Rule.LANE_GAP in asks else LaneChanging()
-    asked, memory = ask(view, asks, changing.stop, memory)
-    situation = situation._replace(assessment=failing_at(assessment, asked.met))
-    situation = situation._replace(memory=memory, stop=nearest(asked.stops), changing=changing)
-    is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in events)
-    comes_over = outlook.comes_over
-    turning = turn_round(snapshot, plan, situation.stop, memory, comes_over=comes_over, is_stuck=is_stuck)
+    situation, asked = _asked(situation, behaviour)
+    turning = _turn(situation)
     situation, rules = _with_turn(*_with_room(situation, asked))
-    memory = memory._replace(waiting_since=waiting_since(snapshot, situation.stop, memory))
-    situation = situation._replace(memory=memory)
+    waits_since = waiting_since(snapshot, situation.stop, situation.memory)
+    situation = situation._replace(memory=situation.memory._replace(waiting_since=waits_since))
     orders = _ordered(situation, behaviour, rules)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)
     if turning is not None:
@@ -113,14 +100,42 @@ def decide(
     constraints, asks_for, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
         orders = orders._replace(request=Request(asks_for))
-    constraints += _limits_of(orders, changing, snapshot) + asked.arrivals
+    constraints += _limits_of(orders, situation.changing, snapshot) + asked.arrivals
     completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
-    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or comes_over)
+    changing = situation.changing
+    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or outlook.comes_over)
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(view, completed, memory, asked, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
+
+
+def _considered(view: View, outlook: Outlook, events: tuple[Event, ...], memory: PilotMemory) -> Situation:
+    """Return what the behaviours look at: how going on ends, what the lane beside asks for, and whether X can be passed."""
+    found = Situation(
+        view.snapshot, view.plan, view.limits, memory, events, view.ahead, view.ways, next_on_way(view.snapshot), None,
+        _assess(view, outlook, memory), outlook, None, _changing(view, outlook, memory),
+    )  # fmt: skip
+    return found._replace(proof=overtaking.try_out(found))
+
+
+def _asked(situation: Situation, behaviour: Behaviour) -> tuple[Situation, Rules]:
+    """Ask the rules that a behaviour names; return the situation with the nearest stop and whom the ego would meet."""
+    asks = RULES[behaviour].asks
+    changing = situation.changing if Rule.LANE_GAP in asks else LaneChanging()
+    asked, memory = ask(situation.view, asks, changing.stop, situation.memory)
+    assessment = failing_at(situation.assessment, asked.met)
+    return situation._replace(assessment=assessment, memory=memory, stop=nearest(asked.stops), changing=changing), asked
+
+
+def _turn(situation: Situation) -> Turning | None:
+    """Return what a turn in several moves asks for, if one is under way or begins now."""
+    is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    return turn_round(
+        situation.snapshot, situation.plan, situation.stop, situation.memory,
+        comes_over=situation.outlook.comes_over, is_stuck=is_stuck,
+    )  # fmt: skip
 
 
 def may_confirm(snapshot: Snapshot, memory: PilotMemory) -> bool:
