@@ -121,7 +121,7 @@ def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any
     path = recording.folder / TRAJECTORY
     try:
         rows = parquet_rows(path, f"SELECT {', '.join(names)} FROM steps ORDER BY time_s", MAX_STEPS)
-    except (duckdb.Error, MemoryError) as error:
+    except (duckdb.Error, MemoryError, RuntimeError) as error:  # the last one where a name in the file is no text
         raise ScenarioError(f"{path}: not the trajectory of a run: {' '.join(str(error).split())}") from error
     if not rows:
         raise ScenarioError(f"{recording.folder}: the run has no steps")

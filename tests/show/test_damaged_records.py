@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import duckdb
 import pytest
@@ -12,6 +13,7 @@ from pydantic import TypeAdapter
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.schema import Number
+from sumo_reactive.show import recording
 from sumo_reactive.show.explain import moment, story
 from sumo_reactive.show.recording import load
 from sumo_reactive.show.reports import page_of
@@ -147,3 +149,12 @@ def test_what_is_no_record_of_several_egos_is_refused(tmp_path, fleet):
 
 def test_a_count_stays_a_whole_number():
     assert [repr(TypeAdapter(Number).validate_json(text)) for text in ("86", "86.5")] == ["86", "86.5"]
+
+
+def test_names_in_a_parquet_file_that_are_no_text_are_told_in_one_line(tmp_path, monkeypatch):
+    def raised(*_):
+        raise RuntimeError("nanobind::str(): conversion error!")
+
+    monkeypatch.setattr(recording, "parquet_rows", raised)
+    with pytest.raises(ScenarioError, match=r"trajectory\.parquet: not the trajectory of a run: nanobind"):
+        recording.columns_of(SimpleNamespace(folder=tmp_path), ("time_s",))
