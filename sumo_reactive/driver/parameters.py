@@ -3,47 +3,15 @@
 from sumo_reactive.driver.overrides import apply_overrides
 
 # --- world model ------------------------------------------------------------------------------------------------------
-SWEPT_WIDTH_M = 2.2
-"""Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
-
-MIN_REGION_AREA_M2 = 0.01
-"""Smaller overlaps of paths that the network itself calls conflicting come from rounding (coordinates hold 1 cm)."""
-
-UNDECLARED_REGION_AREA_M2 = 0.5
-"""Overlap that makes a conflict region of paths that the network calls free of conflict: two corners 0.7 m deep."""
-
-SEPARATE_LEVELS_M = 3.0
-"""Difference in height of paths that pass over each other; a car and its clearance need about this."""
-
-REGION_STEP_M = 0.25
-"""Spacing of the points of a region's outline that are projected on the paths."""
 
 APPROACH_HORIZON_M = 200.0
 """Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
-
-OPPOSITE_SLACK_M = 1.0
-"""Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
-
-TAIL_REACH_M = 20.0
-"""How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
-
-HOLD_BACK_REACH_M = 12.0
-"""Approach and exit lanes are looked at this far from the stop line for a place where they lie over each other."""
 
 BEFORE_THE_LINE_M = 3.0
 """Where a region begins farther before a stop line than this, nobody is trusted to yield: SUMO's cars look at each other's
 times behind the lines only."""
 
-MIN_TAIL_M = 2.0
-"""Shorter parts are rounding of the map."""
-
-BORDER_STEP_M = 1.0
-"""Spacing of the points of O_S on a road's border: 1.6 m beside one, the nearest is at most 2.1 m away (taxicab)."""
-
-
 # --- nominal trajectory C ---------------------------------------------------------------------------------------------
-CURVE_STEP_M = 0.5
-"""Arc length between samples of C."""
 
 LANE_CHANGE_DURATION_S = 3.0
 """Time of a lane change at road speed."""
@@ -173,9 +141,6 @@ WAITING_LENGTH_M = 5.0
 WAITING_WIDTH_M = 1.8
 """…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
-ABREAST_M = 2.8
-"""Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
-
 ABREAST_WIDTH_M = 2.5
 """The widest ordinary body, a truck's or bus's."""
 
@@ -202,10 +167,6 @@ PATH_STEP_M = 2.0
 
 FORECAST_REACH_M = 300.0
 """Others are foreseen this far: 13 s at 22 m/s."""
-
-SIDE_BY_SIDE_ANGLE = 0.6
-"""rad; paths from one road that meet at a smaller angle run beside each other."""
-
 
 # --- pilot ------------------------------------------------------------------------------------------------------------
 MIN_LANE_CHANGE_LENGTH_M = 12.0

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
-from sumo_reactive.driver.parameters import HOLD_BACK_REACH_M, MIN_PATH_LENGTH_M
-from sumo_reactive.driver.world.junction import Connection, Control, Junction, LightLink, Turn
+from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Control, Junction, LightLink, Turn
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.regions import hold_back, inside_part
 from sumo_reactive.driver.world.right_of_way import RightOfWay

@@ -8,9 +8,8 @@ import pytest
 import sumolib
 from net_recipes import CROSS_NODES, converted, cross_edges
 
-from sumo_reactive.driver.parameters import SWEPT_WIDTH_M
 from sumo_reactive.driver.world.junction import Control, Junction, Turn
-from sumo_reactive.driver.world.regions import ConflictKind
+from sumo_reactive.driver.world.regions import SWEPT_WIDTH_M, ConflictKind
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 
 SIDEWALKS = ("--sidewalks.guess", "--sidewalks.guess.min-speed", "1", "--sidewalks.guess.max-speed", "20")

@@ -9,6 +9,9 @@ import numpy as np
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import BEYOND, Floats, foot
 
+CURVE_STEP_M = 0.5
+"""Arc length between samples of C."""
+
 
 @dataclass(frozen=True, eq=False)
 class Curve:

@@ -12,20 +12,14 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
+from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
 from sumo_reactive.driver.geometry.swept import swept_sides
-from sumo_reactive.driver.parameters import (
-    CORRIDOR_MARGIN_M,
-    CURVE_STEP_M,
-    HOLD_BACK_REACH_M,
-    MAX_CENTRING_M,
-    WAITING_LENGTH_M,
-    WAITING_WIDTH_M,
-)
+from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, MAX_CENTRING_M, WAITING_LENGTH_M, WAITING_WIDTH_M
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
-from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.lane import road_of
 
 BEYOND_M = 0.2

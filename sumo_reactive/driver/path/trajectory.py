@@ -12,12 +12,11 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import solveh_banded
 from scipy.ndimage import maximum_filter1d
 
-from sumo_reactive.driver.geometry.curve import Curve, project_each
+from sumo_reactive.driver.geometry.curve import CURVE_STEP_M, Curve, project_each
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, curvature_of, cut, eased, moved_aside, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
 from sumo_reactive.driver.parameters import (
     COMFORT_DEVIATION_M,
-    CURVE_STEP_M,
     MAX_START_BLEND_M,
     MAX_SWING_OUT_M,
     MIN_START_BLEND_M,

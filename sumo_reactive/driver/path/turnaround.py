@@ -12,12 +12,12 @@ import numpy as np
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Polyline
 from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import Move
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import (
-    CURVE_STEP_M,
     MOVE_CHANGE_S,
     MOVE_SPEED,
     STEERING_MARGIN,

@@ -11,9 +11,10 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
+from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Points, curvature_of
 from sumo_reactive.driver.geometry.swept import steering_along
-from sumo_reactive.driver.parameters import CURVE_STEP_M, MAX_STEERING_PER_M, STEERING_MARGIN, TURN_REACH
+from sumo_reactive.driver.parameters import MAX_STEERING_PER_M, STEERING_MARGIN, TURN_REACH
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 ITERATIONS = 30

@@ -19,7 +19,6 @@ from sumo_reactive.driver.parameters import (
     ABREAST_WIDTH_M,
     CROSSER_MARGIN_S,
     FOE_ACCELERATION,
-    HOLD_BACK_REACH_M,
     MAX_ACCELERATION_IN_PLAN,
     MIN_ABREAST_M,
     NARROW_HEADWAY,
@@ -30,7 +29,7 @@ from sumo_reactive.driver.parameters import (
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.abreast import abreast_of, beside
-from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 FASTER = 2.0

@@ -12,8 +12,8 @@ from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
-from sumo_reactive.driver.parameters import BORDER_STEP_M, PLANS_KEPT, STATIC_REACH_M
-from sumo_reactive.driver.world.borders import borders
+from sumo_reactive.driver.parameters import PLANS_KEPT, STATIC_REACH_M
+from sumo_reactive.driver.world.borders import BORDER_STEP_M, borders
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 

@@ -10,9 +10,14 @@ import shapely
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, cut, joined
-from sumo_reactive.driver.parameters import ABREAST_M, HOLD_BACK_REACH_M, SIDE_BY_SIDE_ANGLE
-from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+ABREAST_M = 2.8
+"""Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
+
+SIDE_BY_SIDE_ANGLE = 0.6
+"""rad; paths from one road that meet at a smaller angle run beside each other."""
 
 
 class Abreast(NamedTuple):

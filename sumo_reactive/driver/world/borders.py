@@ -8,9 +8,11 @@ import numpy as np
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.polyline import Floats, moved_aside
-from sumo_reactive.driver.parameters import BORDER_STEP_M
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+BORDER_STEP_M = 1.0
+"""Spacing of the points of O_S on a road's border: 1.6 m beside one, the nearest is at most 2.1 m away (taxicab)."""
 
 
 @kept(4096)

@@ -8,6 +8,9 @@ from enum import Enum
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 
+HOLD_BACK_REACH_M = 12.0
+"""Approach and exit lanes are looked at this far from the stop line for a place where they lie over each other."""
+
 
 class Turn(Enum):
     """Direction of a connection."""

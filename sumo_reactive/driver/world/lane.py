@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.parameters import OPPOSITE_SLACK_M
+
+OPPOSITE_SLACK_M = 1.0
+"""Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
 
 VEHICLE_CLASSES = frozenset(
     {

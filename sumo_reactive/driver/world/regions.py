@@ -11,17 +11,28 @@ import numpy as np
 import shapely
 
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
-from sumo_reactive.driver.parameters import (
-    HOLD_BACK_REACH_M,
-    MIN_REGION_AREA_M2,
-    MIN_TAIL_M,
-    REGION_STEP_M,
-    SEPARATE_LEVELS_M,
-    SWEPT_WIDTH_M,
-    TAIL_REACH_M,
-    UNDECLARED_REGION_AREA_M2,
-)
-from sumo_reactive.driver.world.junction import Connection, Junction
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Junction
+
+SWEPT_WIDTH_M = 2.2
+"""Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
+
+MIN_REGION_AREA_M2 = 0.01
+"""Smaller overlaps of paths that the network itself calls conflicting come from rounding (coordinates hold 1 cm)."""
+
+UNDECLARED_REGION_AREA_M2 = 0.5
+"""Overlap that makes a conflict region of paths that the network calls free of conflict: two corners 0.7 m deep."""
+
+SEPARATE_LEVELS_M = 3.0
+"""Difference in height of paths that pass over each other; a car and its clearance need about this."""
+
+REGION_STEP_M = 0.25
+"""Spacing of the points of a region's outline that are projected on the paths."""
+
+TAIL_REACH_M = 20.0
+"""How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
+
+MIN_TAIL_M = 2.0
+"""Shorter parts are rounding of the map."""
 
 
 class ConflictKind(Enum):

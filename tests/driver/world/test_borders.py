@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from world_pieces import lane
 
-from sumo_reactive.driver.parameters import BORDER_STEP_M
-from sumo_reactive.driver.world.borders import borders
+from sumo_reactive.driver.world.borders import BORDER_STEP_M, borders
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 CARS, WALKERS = frozenset({"passenger"}), frozenset({"pedestrian"})

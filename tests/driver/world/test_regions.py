@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from world_pieces import connection, junction, only
 
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.parameters import SWEPT_WIDTH_M
-from sumo_reactive.driver.world.regions import ConflictKind, conflict_regions, hold_back
+from sumo_reactive.driver.world.regions import SWEPT_WIDTH_M, ConflictKind, conflict_regions, hold_back
 
 HALF = 0.5 * SWEPT_WIDTH_M
 EAST = connection("w_0->e_0", [(-8, 0), (8, 0)], 0)
