@@ -48,15 +48,9 @@ from sumo_reactive.driver.nouns.completed_plan import Weights
 from sumo_reactive.driver.nouns.decision import Instruction, Occupancy
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
-from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import (
-    PAPER_CONTROL_PERIOD_S,
-    SHADOW_SCALE,
-    STANDING_SPEED,
-    VALLEY_ATTRACTION,
-    VALLEY_REPULSION,
-)
+from sumo_reactive.driver.parameters import PAPER_CONTROL_PERIOD_S, SHADOW_SCALE, VALLEY_ATTRACTION, VALLEY_REPULSION
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.instructions import TUNINGS
 from sumo_reactive.driver.vehicle.bicycle import advance_pose

@@ -6,6 +6,9 @@ from collections.abc import Callable
 from functools import update_wrapper
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
+PLANS_KEPT = 512
+"""What is worked out once for a plan is kept for so many: one for each of several hundred egos."""
+
 Owner = TypeVar("Owner")
 Rest = ParamSpec("Rest")
 Result = TypeVar("Result")

@@ -30,13 +30,16 @@ KERNEL_ROOMS = (
 )  # fmt: skip
 """Every room with a kernel in it."""
 
+READ_ROOMS = ("driver/nouns",)
+"""Every other room with a constant that a kernel reads, which is compiled in."""
+
 _COMPLETE = "complete"
 
 
 def _cache_folder() -> Path | None:
     package = Path(__file__).parents[1]
     digest = hashlib.sha256(numba.__version__.encode())
-    sources = [source for room in KERNEL_ROOMS for source in sorted((package / room).glob("*.py"))]
+    sources = [source for room in (*KERNEL_ROOMS, *READ_ROOMS) for source in sorted((package / room).glob("*.py"))]
     for source in (package / "driver" / "parameters.py", *sources):
         digest.update(source.read_bytes())
     for name, value in _compiled_in(overrides(), sources):

@@ -11,9 +11,9 @@ from typing import NamedTuple, Protocol
 from sumo_reactive.driver.controller import Controller, Drive, Step, replanned
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.plan import Aside, LaneSegment, NominalPlan
-from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import Traffic
-from sumo_reactive.driver.parameters import CREEPING_SPEED, DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M
+from sumo_reactive.driver.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.lane import Lane

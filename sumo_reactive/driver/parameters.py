@@ -34,12 +34,6 @@ SHARED_OVERLAP_M = 0.7
 SHARED_LANE_COST = 3.0
 """What such a lane costs, in lane changes."""
 
-LATE_LANE_CHANGE_LENGTH_M = 18.0
-"""Length of the latest possible change on C: 1.5 times the minimum, for a car that has already slowed down."""
-
-LANE_CHANGE_CLEARANCE_M = 2.0
-"""A change ends this far before its lane does, so that the car stands straight at the stop line."""
-
 MIN_START_BLEND_M = 8.0
 """Shortest transition from the car's pose to the lane's centre: about two car radii."""
 
@@ -153,17 +147,11 @@ NARROW_LEAD_S = 0.5
 NARROW_HEADWAY = 0.5
 """Share of its time headway that the ego keeps to who is first at a narrow place: he will leave its way again."""
 
-NEAR_M = 45.0
-"""Users nearer than this cast U₂ and are tested for contact."""
-
 STATIC_REACH_M = 12.0
 """Taxicab distance up to which exact U₁ sees points of O_S: β·d/12 m is 4 % of α·d, and F moves 7 m in 0.1 s at 70 m/s."""
 
 PROJECTION_WINDOW_M = 8.0
 """How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
-
-PATH_STEP_M = 2.0
-"""Spacing of the points on another's foreseen path."""
 
 FORECAST_REACH_M = 300.0
 """Others are foreseen this far: 13 s at 22 m/s."""
@@ -174,9 +162,6 @@ MIN_LANE_CHANGE_LENGTH_M = 12.0
 
 MAX_ACCELERATION_IN_PLAN = 2.0
 """m/s²; what the pilot counts on when it foresees its own motion (SUMO's default passenger car does 2.6)."""
-
-STANDING_SPEED = 0.1
-"""m/s; SUMO counts a vehicle as waiting at or below it."""
 
 STOP_REACHED_M = 2.0
 """A stop counts as reached when the ego stands this close before it."""
@@ -357,12 +342,6 @@ QUEUE_PATIENCE_S = 90.0
 AT_LANE_END_M = 5.0
 """At the end of its lane is who is not farther than a car's length from the last place to change."""
 
-CALL_OFF_SHARE = 0.3
-"""A lane change may be called off on this share of its length: a car of 1.8 m on a lane of 3.2 m then touches the line."""
-
-CREEPING_SPEED = 1.0
-"""m/s; who is slower than this creeps, and still waits."""
-
 PROGRESS_M = 3.0
 """Coming on means this far."""
 
@@ -402,9 +381,6 @@ PASSING_CLEARANCE_M = 0.65
 
 TWO_WHEELER_CLEARANCE_M = 1.2
 """…and beside two-wheelers, which sway."""
-
-TWO_WHEELER_WIDTH_M = 1.2
-"""A narrower vehicle is one."""
 
 EDGE_MARGIN_M = 0.1
 """Room kept to the border of the own lane when somebody is passed within it."""
@@ -454,26 +430,11 @@ BACK_UP_CLEAR_M = 2.0
 BACK_UP_SPEED = 1.0
 """m/s; walking speed."""
 
-MOVE_SPEED = 2.0
-"""m/s; how fast the moves of a turn are driven where the road is too narrow for one sweep…"""
-
-MOVE_BACK_SPEED = 1.5
-"""m/s; …and how fast those backwards."""
-
 MOVE_CHANGE_S = 3.0
 """What changing between forwards and backwards takes, with the wheels turned from lock to lock, s."""
 
 MOVE_SIGHT_M = 0.8
 """A move goes on while the ego's body touches nobody this far beyond where it could stop."""
-
-MOVE_END_M = 0.04
-"""A move is over when less of its way is left."""
-
-WHEELS_TURNED_RAD = 0.03
-"""A move begins when the wheels are this near to its steering angle."""
-
-TURNAROUND_REACHED_M = 1.5
-"""An ego that stands this near to where it turns round begins."""
 
 TURNAROUND_PATIENCE_S = 30.0
 """Who comes over the ground that a turn needs is let pass, until the ego has stood there for so long."""
@@ -659,9 +620,6 @@ OFF_CURVE_M = 1.5
 CUT_M = 0.6
 """A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
 0.7 m."""
-
-PLANS_KEPT = 512
-"""What is worked out once for a plan is kept for so many: one for each of several hundred egos."""
 
 CUT_SIGHT_M = 60.0
 """So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""

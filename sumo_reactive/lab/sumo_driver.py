@@ -8,8 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import STANDING_SPEED, STUCK_S
+from sumo_reactive.driver.parameters import STUCK_S
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, SimulationError
 from sumo_reactive.lab.metrics.moment import JUDGED_REACH_M

@@ -14,8 +14,9 @@ from sumo_reactive.driver.kernels import load_kernels
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import LaneSegment
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Traffic
-from sumo_reactive.driver.parameters import STANDING_SPEED, STUCK_S
+from sumo_reactive.driver.parameters import STUCK_S
 from sumo_reactive.driver.path.lane_choice import choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart
 from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of

@@ -11,8 +11,8 @@ import libsumo
 
 from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import Intent
-from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.parameters import STANDING_SPEED, TELEPORT_GUARD_S
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
+from sumo_reactive.driver.parameters import TELEPORT_GUARD_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import libsumo
 
 from sumo_reactive.driver import parameters
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stand_ins import is_stand_in
@@ -160,7 +161,7 @@ class Sensor:
             x, y = vehicle.getPosition(name)
             heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name) * scale
             position = vehicle.getLanePosition(name) * scale
-            if speed > parameters.STANDING_SPEED:
+            if speed > STANDING_SPEED:
                 yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route)
                 continue
             waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))

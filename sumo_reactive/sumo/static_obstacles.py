@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver import parameters
 from sumo_reactive.driver.geometry.footprint import Footprint
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Body, RoadUser
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.vehicle_type import heading_of
@@ -126,7 +127,7 @@ def standing(name: str, hull: shapely.Polygon) -> RoadUser:
     along = sides @ (math.cos(road), math.sin(road)) / np.hypot(*sides.T)
     first = int(np.argmax(np.abs(along)))
     ahead = math.copysign(1.0, along[first]) * sides[first]
-    body = Body(float(np.hypot(*ahead)), float(np.hypot(*sides[1 - first])), _FIRM, parameters.STANDING_SPEED)
+    body = Body(float(np.hypot(*ahead)), float(np.hypot(*sides[1 - first])), _FIRM, STANDING_SPEED)
     front_x, front_y = (x, y) + 0.5 * ahead
     return RoadUser(name, float(front_x), float(front_y), math.atan2(ahead[1], ahead[0]), 0.0, "", 0.0, body, is_halted=True)
 

@@ -9,8 +9,8 @@ from helpers.situations import PERIOD, Situation, before
 from sumo_reactive.driver.controller import Controller, Drive, passages_ahead
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.nouns.event import Event, EventKind
+from sumo_reactive.driver.nouns.snapshot import NEAR_M
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import NEAR_M
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import Style, decide

@@ -9,7 +9,8 @@ from net_recipes import MINIMAL
 from scripted_ego import scripted, state_at
 
 from sumo_reactive.driver.nouns.completed_plan import Intent
-from sumo_reactive.driver.parameters import STANDING_SPEED, TELEPORT_GUARD_S
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import TELEPORT_GUARD_S
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.ego import Ego

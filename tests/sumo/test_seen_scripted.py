@@ -8,8 +8,9 @@ import pytest
 from libsumo import constants as tc
 from scripted import Domain, script
 
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
-from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STANDING_SPEED, STEPPING_ON_M
+from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M
 from sumo_reactive.sumo.observed_vehicle import SAME_LEVEL_M, TOUCHING_M, Bystanders, ObservedVehicle
 from sumo_reactive.sumo.sensor import ROUTE_AHEAD, SeenCrossing, SeenLane, Sensor
 

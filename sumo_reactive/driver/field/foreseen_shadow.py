@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import wrapped
-from sumo_reactive.driver.parameters import CLEARANCE_M, NEAR_M, SHADOW_SCALE
+from sumo_reactive.driver.nouns.snapshot import NEAR_M
+from sumo_reactive.driver.parameters import CLEARANCE_M, SHADOW_SCALE
 
 Array = NDArray[np.float64]
 

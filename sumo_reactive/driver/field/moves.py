@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
-from sumo_reactive.driver.nouns.plan import Move
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SPEED, WHEELS_TURNED_RAD, Move
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
-from sumo_reactive.driver.parameters import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SIGHT_M, MOVE_SPEED, WHEELS_TURNED_RAD
+from sumo_reactive.driver.parameters import MOVE_SIGHT_M
 from sumo_reactive.driver.vehicle.bicycle import advance, advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 

@@ -11,6 +11,9 @@ from sumo_reactive.driver.nouns.plan import ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.traffic import RoadUser
 
+PATH_STEP_M = 2.0
+"""Spacing of the points on another's foreseen path."""
+
 
 class Forecast(NamedTuple):
     """One path for each way that a road user may take, k in all.

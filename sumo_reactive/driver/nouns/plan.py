@@ -15,9 +15,32 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import eased, wrapped
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.parameters import MOVE_END_M, STANDING_SPEED, WHEELS_TURNED_RAD
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.world.route import ScheduledStop
+
+LATE_LANE_CHANGE_LENGTH_M = 18.0
+"""Length of the latest possible change on C: 1.5 times the minimum, for a car that has already slowed down."""
+
+LANE_CHANGE_CLEARANCE_M = 2.0
+"""A change ends this far before its lane does, so that the car stands straight at the stop line."""
+
+CALL_OFF_SHARE = 0.3
+"""A lane change may be called off on this share of its length: a car of 1.8 m on a lane of 3.2 m then touches the line."""
+
+MOVE_SPEED = 2.0
+"""m/s; how fast the moves of a turn are driven where the road is too narrow for one sweep…"""
+
+MOVE_BACK_SPEED = 1.5
+"""m/s; …and how fast those backwards."""
+
+MOVE_END_M = 0.04
+"""A move is over when less of its way is left."""
+
+WHEELS_TURNED_RAD = 0.03
+"""A move begins when the wheels are this near to its steering angle."""
+
+TURNAROUND_REACHED_M = 1.5
+"""An ego that stands this near to where it turns round begins."""
 
 
 @dataclass(frozen=True, slots=True)

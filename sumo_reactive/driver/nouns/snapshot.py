@@ -13,6 +13,9 @@ from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
 
+NEAR_M = 45.0
+"""Users nearer than this cast U₂ and are tested for contact."""
+
 
 class PathObstacle(NamedTuple):
     """A road user whose body reaches into the corridor along C.

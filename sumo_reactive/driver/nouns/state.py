@@ -5,6 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+STANDING_SPEED = 0.1
+"""m/s; SUMO counts a vehicle as waiting at or below it."""
+
+CREEPING_SPEED = 1.0
+"""m/s; who is slower than this creeps, and still waits."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pose:

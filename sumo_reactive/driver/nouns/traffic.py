@@ -9,6 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+TWO_WHEELER_WIDTH_M = 1.2
+"""A narrower vehicle is one."""
+
 NO_POINTS: NDArray[np.float64] = np.empty((0, 2))
 """No static obstacle."""
 

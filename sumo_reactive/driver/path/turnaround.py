@@ -15,11 +15,10 @@ from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Polyline
 from sumo_reactive.driver.geometry.swept import steering_along
-from sumo_reactive.driver.nouns.plan import Move
+from sumo_reactive.driver.nouns.plan import MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.parameters import (
     MOVE_CHANGE_S,
-    MOVE_SPEED,
     STEERING_MARGIN,
     STOP_LINE_MARGIN_M,
     TURNAROUND_LEAD_M,

@@ -14,17 +14,11 @@ from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.forecast import Forecast
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Forecast
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Foe, PathObstacle, Snapshot
-from sumo_reactive.driver.parameters import (
-    ASSESSED_S,
-    ASSESSMENT_STEP_S,
-    EXCESSIVE_DELAY_S,
-    MAX_ACCELERATION_IN_PLAN,
-    PATH_STEP_M,
-    STANDING_SPEED,
-)
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import ASSESSED_S, ASSESSMENT_STEP_S, EXCESSIVE_DELAY_S, MAX_ACCELERATION_IN_PLAN
 from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, is_enough
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed

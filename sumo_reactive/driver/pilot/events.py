@@ -11,13 +11,13 @@ from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     BEHAVIOUR_TOLERANCE,
     DELAY_STEP_S,
     ENTERING_M,
     NO_PROGRESS_S,
     OFF_NOMINAL_SPEED,
-    STANDING_SPEED,
     TIME_TOLERANCE_S,
     TRUST_AHEAD_S,
     TRUST_S,

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import eased, moved_aside
-from sumo_reactive.driver.nouns.forecast import LaneBeside
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     ASSESSMENT_STEP_S,
     CORRIDOR_MARGIN_M,
@@ -19,10 +20,8 @@ from sumo_reactive.driver.parameters import (
     OVERTAKING_MARGIN_S,
     OVERTAKING_S,
     PASSING_HEADWAY,
-    PATH_STEP_M,
     PROOF_ROOM_M,
     SLOWER_BY,
-    STANDING_SPEED,
     UNDER_WAY_SHARE,
 )
 from sumo_reactive.driver.pilot.assessment import Way, first_contact, followed, leader_table, simulate

@@ -6,14 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
 from sumo_reactive.driver.parameters import (
     CAUTIOUS_AHEAD_M,
     CAUTIOUS_AHEAD_S,
     COMFORT_DECELERATION,
-    PLANS_KEPT,
     REGION_MARGIN_M,
     WAIT_SHIFT_M,
 )

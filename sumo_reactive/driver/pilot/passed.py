@@ -12,6 +12,8 @@ from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.forecast import LaneBeside
 from sumo_reactive.driver.nouns.plan import lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M
 from sumo_reactive.driver.parameters import (
     EDGE_MARGIN_M,
     HALTED_END_M,
@@ -20,9 +22,7 @@ from sumo_reactive.driver.parameters import (
     PASSING_CLEARANCE_M,
     RETURN_GAP_M,
     RETURN_HEADWAY_S,
-    STANDING_SPEED,
     TWO_WHEELER_CLEARANCE_M,
-    TWO_WHEELER_WIDTH_M,
 )
 from sumo_reactive.driver.pilot.situation import Situation
 

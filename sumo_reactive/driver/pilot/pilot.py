@@ -14,13 +14,8 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import (
-    FOE_PATIENCE_S,
-    LEAST_PATIENCE_S,
-    OVERTAKING_SIGHT_M,
-    PROGRESS_M,
-    STANDING_SPEED,
-)
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import FOE_PATIENCE_S, LEAST_PATIENCE_S, OVERTAKING_SIGHT_M, PROGRESS_M
 from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ATTENTION_BEHIND_M, ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S, PLANS_KEPT
+from sumo_reactive.driver.parameters import ATTENTION_BEHIND_M, ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S
 from sumo_reactive.driver.world.abreast import SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion

@@ -9,22 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.snapshot import OffTracking
-from sumo_reactive.driver.parameters import (
-    CORRIDOR_MARGIN_M,
-    CUT_M,
-    CUT_SIGHT_M,
-    NEAR_M,
-    PLANS_KEPT,
-    STANDING_SPEED,
-    TURN_FORESEEN_S,
-)
+from sumo_reactive.driver.nouns.snapshot import NEAR_M, OffTracking
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, CUT_M, CUT_SIGHT_M, TURN_FORESEEN_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph

@@ -11,10 +11,10 @@ import numpy as np
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats, Polyline, wrapped
-from sumo_reactive.driver.nouns.forecast import Forecast
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Forecast
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import FORECAST_REACH_M, PATH_STEP_M
+from sumo_reactive.driver.parameters import FORECAST_REACH_M
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 

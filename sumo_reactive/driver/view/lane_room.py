@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.parameters import MAX_LEAN_M, PLANS_KEPT
+from sumo_reactive.driver.parameters import MAX_LEAN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import band_of
 from sumo_reactive.driver.world.road_graph import RoadGraph

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
-from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
     ABREAST_WIDTH_M,
@@ -23,8 +23,6 @@ from sumo_reactive.driver.parameters import (
     MIN_ABREAST_M,
     NARROW_HEADWAY,
     NARROW_LEAD_S,
-    PLANS_KEPT,
-    STANDING_SPEED,
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time

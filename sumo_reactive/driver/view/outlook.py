@@ -7,21 +7,18 @@ import math
 import numpy as np
 
 from sumo_reactive.driver.geometry.polyline import Points
-from sumo_reactive.driver.nouns.forecast import Outlook
-from sumo_reactive.driver.nouns.plan import NominalPlan, Turnaround
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Outlook
+from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.nouns.state import Pose, VehicleState
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.parameters import (
     ASSESSED_S,
     ATTENTION_MIN_AHEAD_M,
     FORECAST_REACH_M,
     OVERTAKING_S,
-    PATH_STEP_M,
     SAFE_GAP_M,
     SLOW_SHARE,
-    STANDING_SPEED,
-    TURNAROUND_REACHED_M,
 )
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits

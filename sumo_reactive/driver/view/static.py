@@ -8,11 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
-from sumo_reactive.driver.parameters import PLANS_KEPT, STATIC_REACH_M
+from sumo_reactive.driver.parameters import STATIC_REACH_M
 from sumo_reactive.driver.world.borders import BORDER_STEP_M, borders
 from sumo_reactive.driver.world.road_graph import RoadGraph
 

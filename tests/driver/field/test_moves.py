@@ -12,9 +12,9 @@ from sumo_reactive.driver.field.executor import back_up, execute
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
-from sumo_reactive.driver.nouns.plan import Move
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import BACK_UP_SPEED, MOVE_BACK_SPEED, MOVE_SPEED
+from sumo_reactive.driver.parameters import BACK_UP_SPEED
 
 ROAD = plan_along(straight())
 LOCK, BEND = 0.6, math.sin(0.6) / CAR.wheelbase

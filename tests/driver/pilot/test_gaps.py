@@ -7,6 +7,7 @@ import pytest
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
@@ -18,7 +19,6 @@ from sumo_reactive.driver.parameters import (
     GAP_BEFORE_S,
     LEAVING_ACCELERATION,
     MERGE_GAP_S,
-    STANDING_SPEED,
 )
 from sumo_reactive.driver.pilot.rules.gaps import (
     Passing,

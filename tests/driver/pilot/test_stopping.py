@@ -6,7 +6,8 @@ import pytest
 from helpers.situations import PERIOD, before
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Reason
-from sumo_reactive.driver.parameters import PLANNED_DECELERATION, STANDING_SPEED
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import PLANNED_DECELERATION
 from sumo_reactive.driver.world.route import ScheduledStop
 
 ROUTE = ("from_west", "to_east")

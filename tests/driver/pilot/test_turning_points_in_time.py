@@ -15,8 +15,9 @@ from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Queue, Queued
-from sumo_reactive.driver.nouns.plan import Move, ParallelLane, Turnaround
+from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, ParallelLane, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
     BEHAVIOUR_TOLERANCE,
@@ -32,13 +33,11 @@ from sumo_reactive.driver.parameters import (
     PROGRESS_M,
     QUEUE_GAIN_S,
     QUEUE_HEADWAY_S,
-    STANDING_SPEED,
     SWING_OUT_M,
     TIME_TOLERANCE_S,
     TRUST_AHEAD_S,
     TRUST_S,
     TURNAROUND_PATIENCE_S,
-    TURNAROUND_REACHED_M,
 )
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue

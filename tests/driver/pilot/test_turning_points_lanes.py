@@ -9,14 +9,10 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
+from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import (
-    CALL_OFF_SHARE,
-    CUT_PATIENCE_S,
-    LANE_CHANGE_LOOK_AHEAD_M,
-    LANE_CHANGE_LOOK_AHEAD_S,
-)
+from sumo_reactive.driver.parameters import CUT_PATIENCE_S, LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
 from sumo_reactive.driver.pilot.situation import LaneChanging

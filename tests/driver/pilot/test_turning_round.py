@@ -11,14 +11,9 @@ from sumo_reactive.driver.controller import Controller, replanned
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.nouns.plan import Move, Turnaround
-from sumo_reactive.driver.parameters import (
-    MOVE_BACK_SPEED,
-    MOVE_SPEED,
-    STANDING_SPEED,
-    TURNAROUND_PATIENCE_S,
-    WHEELS_TURNED_RAD,
-)
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, WHEELS_TURNED_RAD, Move, Turnaround
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import TURNAROUND_PATIENCE_S
 from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
 
 STREET = ("eastbound", "eastbound_out")

@@ -7,7 +7,7 @@ import pytest
 from helpers.cars import BODY
 from helpers.situations import before
 
-from sumo_reactive.driver.parameters import PATH_STEP_M
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M
 from sumo_reactive.driver.view.foresee import foresee, paths_ahead, places_after, turn_rate, way_left
 
 SECONDS = 40.0

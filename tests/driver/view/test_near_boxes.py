@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from sumo_reactive.driver.parameters import NEAR_M
+from sumo_reactive.driver.nouns.snapshot import NEAR_M
 from sumo_reactive.driver.view.corridor import near_boxes
 
 

@@ -11,7 +11,8 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
-from sumo_reactive.driver.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M, STANDING_SPEED
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M
 from sumo_reactive.driver.pilot.passed import lateral_for, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
-from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
-from sumo_reactive.driver.parameters import (
+from sumo_reactive.driver.nouns.plan import (
     CALL_OFF_SHARE,
-    CREEPING_SPEED,
+    LANE_CHANGE_CLEARANCE_M,
+    LATE_LANE_CHANGE_LENGTH_M,
+    LaneChange,
+    NominalPlan,
+)
+from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED
+from sumo_reactive.driver.parameters import (
     CUT_PATIENCE_S,
     EASY_STOP_DECELERATION,
     FOLLOWER_DECELERATION,
     FOLLOWER_HEADWAY_S,
     HARD_STOP_DECELERATION,
-    LANE_CHANGE_CLEARANCE_M,
     LANE_CHANGE_DURATION_S,
     LANE_CHANGE_GAP_M,
     LANE_CHANGE_LOOK_AHEAD_M,
     LANE_CHANGE_LOOK_AHEAD_S,
     LANE_CHANGE_REACTION_S,
-    LATE_LANE_CHANGE_LENGTH_M,
     MIN_LANE_CHANGE_LENGTH_M,
     URGENT_DECELERATION,
     URGENT_M,

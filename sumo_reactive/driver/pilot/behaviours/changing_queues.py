@@ -9,8 +9,8 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
 from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.parameters import (
-    CREEPING_SPEED,
     HALTED_ROOM_M,
     HEAD_STANDS_S,
     LANE_CHANGE_DURATION_S,
@@ -18,7 +18,6 @@ from sumo_reactive.driver.parameters import (
     QUEUE_GAIN_S,
     QUEUE_HEADWAY_S,
     QUEUED_SPEED,
-    STANDING_SPEED,
     SWING_OUT_M,
     TURNER_WAIT_S,
     TURNERS_FEARED,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Aside
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     FALL_BACK_BY,
     FOLLOWING_M,
@@ -17,7 +18,6 @@ from sumo_reactive.driver.parameters import (
     SETTLED_SPEED,
     SLOW_SHARE,
     SLOWER_BY,
-    STANDING_SPEED,
     UPDATE_ASIDE_M,
 )
 from sumo_reactive.driver.pilot.manoeuvre import UNDER_WAY, in_the_way_back, proof, prove

@@ -5,7 +5,8 @@ from __future__ import annotations
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import AT_LANE_END_M, CREEPING_SPEED, MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED
+from sumo_reactive.driver.parameters import AT_LANE_END_M, MISSED_TURN_S, QUEUE_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 

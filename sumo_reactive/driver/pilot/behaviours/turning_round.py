@@ -7,9 +7,10 @@ from typing import NamedTuple
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
-from sumo_reactive.driver.nouns.plan import Move, NominalPlan, Turnaround
+from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import STANDING_SPEED, TURNAROUND_PATIENCE_S, TURNAROUND_REACHED_M
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import TURNAROUND_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import reach_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.snapshot import Foe
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
     FEARED_DECELERATION,
@@ -16,7 +17,6 @@ from sumo_reactive.driver.parameters import (
     GAP_BEFORE_S,
     LEAVING_ACCELERATION,
     MERGE_GAP_S,
-    STANDING_SPEED,
 )
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind

@@ -12,7 +12,7 @@ from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
-from sumo_reactive.driver.parameters import STANDING_SPEED
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing, View
 from sumo_reactive.driver.pilot.rules import post_conflict, region, scheduled_stop, stop_line

@@ -9,10 +9,10 @@ from dataclasses import replace
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, PathObstacle, Snapshot
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
-    CALL_OFF_SHARE,
     COMFORT_DECELERATION,
     FOE_PATIENCE_S,
     FOLLOWER_STANDSTILL_GAP_M,
@@ -22,7 +22,6 @@ from sumo_reactive.driver.parameters import (
     PLANNED_DECELERATION,
     QUEUE_PATIENCE_S,
     QUEUED_SPEED,
-    STANDING_SPEED,
 )
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing

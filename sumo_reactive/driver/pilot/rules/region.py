@@ -10,11 +10,11 @@ from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
-from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
+from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
 from sumo_reactive.driver.parameters import (
     BEFORE_THE_LINE_M,
     COMMITTED_PATIENCE,
-    CREEPING_SPEED,
     ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
@@ -26,8 +26,6 @@ from sumo_reactive.driver.parameters import (
     REGION_MARGIN_M,
     ROLLING_S,
     SIGN_STOP_DECELERATION,
-    STANDING_SPEED,
-    TWO_WHEELER_WIDTH_M,
     WAIT_INTO_M,
     WAIT_SHIFT_M,
     ZIPPER_LEAD_M,

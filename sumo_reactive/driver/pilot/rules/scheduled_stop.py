@@ -8,7 +8,8 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import STANDING_SPEED, STOP_REACHED_M
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import STOP_REACHED_M
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Ahead, reach_of
 

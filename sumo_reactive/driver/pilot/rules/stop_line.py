@@ -7,14 +7,8 @@ import math
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import (
-    HARD_STOP_MARGIN_M,
-    PLANNED_DECELERATION,
-    RED_MARGIN_S,
-    STANDING_SPEED,
-    STOP_REACHED_M,
-    YELLOW_S,
-)
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.parameters import HARD_STOP_MARGIN_M, PLANNED_DECELERATION, RED_MARGIN_S, STOP_REACHED_M, YELLOW_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import Signal, has_passed, letter_of, signal
