@@ -16,74 +16,6 @@ times behind the lines only."""
 LANE_CHANGE_DURATION_S = 3.0
 """Time of a lane change at road speed."""
 
-FAST_CHANGE_SPEED = 15.0
-"""m/s; above it a lane change takes longer, for a road that bends leaves less of the lateral acceleration and jerk…"""
-
-FAST_CHANGE_GROWTH = 0.06
-"""…by this much per m/s (s²/m): 3.9 s at 30 m/s, with a lateral jerk of 60·3.5 m / T³ = 3.5 m/s³."""
-
-PLAN_HORIZON_M = 2000.0
-"""C is planned this far ahead and prolonged before it runs out."""
-
-LANE_CHANGE_ROOM_M = 40.0
-"""Room that one lane change should find on an edge; a change with less costs more, so that the plan makes it earlier."""
-
-SHARED_OVERLAP_M = 0.7
-"""Lanes of opposite directions that overlap by more are one lane on the map: two cars of 1.8 m do not pass."""
-
-SHARED_LANE_COST = 3.0
-"""What such a lane costs, in lane changes."""
-
-MIN_START_BLEND_M = 8.0
-"""Shortest transition from the car's pose to the lane's centre: about two car radii."""
-
-MIN_STEP_LATERAL = 0.7
-"""m/s²; lateral acceleration that is left for a move aside in the tightest bend."""
-
-MAX_START_BLEND_M = 160.0
-"""Longest transition from the car's pose: a lane change at 40 m/s."""
-
-MAX_SWING_OUT_M = 0.3
-"""A transition from a pose that heads out of its lane leads at most this much farther out, if the car can turn so soon."""
-
-START_CURVATURE_SHARE = 0.6
-"""Share of the car's curvature that the transition to the centre line may use; the road's own bend needs the rest."""
-
-SMOOTHING_LENGTH_M = 1.6
-"""Length over which a kink of the centre line is rounded at first; a 4.4 m turn then keeps within 0.15 m of its lane."""
-
-SMOOTHING_GROWTH = 1.35
-"""Growth of the smoothing length per pass where C is still too tight; one pass adds some 35 % of deviation."""
-
-SMOOTHING_REACH_M = 5.0
-"""A place that is too tight loosens C this far on both sides: half of a car's turn."""
-
-SMOOTHING_PASSES = 9
-"""Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that COMFORT_DEVIATION_M holds C."""
-
-COMFORT_DEVIATION_M = 0.25
-"""C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
-
-TURN_REACH = 2.8
-"""A turn too tight to steer is refitted this many turning radii on both sides: room to swing out and come back."""
-
-MAX_CENTRING_M = 0.6
-"""In a bend a long vehicle keeps to the outside by at most this, as its rear keeps to the inside: farther, its front bumper
-would reach into the next lane."""
-
-MAX_STEERING_PER_M = 0.2
-"""rad/m; C turns the wheels no faster in a turn that was refitted: 0.8 rad/s at 4 m/s."""
-
-STEERING_MARGIN = 0.95
-"""Share of the largest steering angle that C aims at; the executor needs the rest to correct errors."""
-
-CURVE_RUNOUT_M = 10.0
-"""C goes on straight this far behind the goal, so that points ahead of the car always exist."""
-
-CURVATURE_WINDOW_M = 2.0
-"""Curvature is averaged over this length before it sets a speed: single samples do not brake a car."""
-
-
 # --- vehicle ----------------------------------------------------------------------------------------------------------
 COMFORT_LATERAL_ACCELERATION = 3.0
 """m/s²; cornering speed of the plan is √(this / curvature)."""
@@ -128,12 +60,6 @@ ATTENTION_BEHIND_M = 90.0
 
 CORRIDOR_MARGIN_M = 0.2
 """Added to each side of the ego when it asks what stands in its way, unless it sweeps more in a bend."""
-
-WAITING_LENGTH_M = 5.0
-"""A car of this length…"""
-
-WAITING_WIDTH_M = 1.8
-"""…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
 ABREAST_WIDTH_M = 2.5
 """The widest ordinary body, a truck's or bus's."""
@@ -430,20 +356,11 @@ BACK_UP_CLEAR_M = 2.0
 BACK_UP_SPEED = 1.0
 """m/s; walking speed."""
 
-MOVE_CHANGE_S = 3.0
-"""What changing between forwards and backwards takes, with the wheels turned from lock to lock, s."""
-
 MOVE_SIGHT_M = 0.8
 """A move goes on while the ego's body touches nobody this far beyond where it could stop."""
 
 TURNAROUND_PATIENCE_S = 30.0
 """Who comes over the ground that a turn needs is let pass, until the ego has stood there for so long."""
-
-TURNAROUND_LEAD_M = 30.0
-"""A turn's sweep is tried from this far before it to this far behind it, more than a car needs to swing out and back."""
-
-TURNAROUNDS_KEPT = 1024
-"""Turns that are worked out once are kept for so many connections."""
 
 FALL_BACK_BY = 4.0
 """m/s; so much slower than X the ego drops back beside it."""
@@ -499,9 +416,6 @@ ROLLING_APPROACH_S = 3.0
 SPEED_APPROACH_S = 0.6
 """Time constant with which the ego approaches a speed limit from below."""
 
-SAFE_GAP_M = 0.5
-"""Gap that must remain when ego and leader have both braked as hard as they can."""
-
 STOP_LINE_MARGIN_M = 0.7
 """Planned distance of the front bumper to a line."""
 
@@ -511,9 +425,6 @@ stopped there, has not passed its light. SUMO's lanes and C agree to less."""
 
 TURN_FORESEEN_S = COLLISION_HORIZON_S
 """The others' turning is taken over this time, along their lanes."""
-
-HARD_STOP_MARGIN_M = 0.15
-"""Distance to a line that no admissible command gives up; a line that asks late is stopped at so near."""
 
 COARSE_STOP_MARGIN_M = 0.4
 """The same for nine commands, each held half a second: with less they creep on until it is too late to stop."""

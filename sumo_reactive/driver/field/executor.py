@@ -31,13 +31,10 @@ from sumo_reactive.driver.parameters import (
     BRAKING_SHARE,
     COARSE_STOP_MARGIN_M,
     COMFORT_JERK,
-    CURVATURE_WINDOW_M,
     EXCESS_GAIN,
-    HARD_STOP_MARGIN_M,
     PRESSING_GAIN,
     ROLLING_APPROACH_S,
     ROLLING_SHARE,
-    SAFE_GAP_M,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
     SPEED_SLACK,
@@ -46,7 +43,13 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
+from sumo_reactive.driver.vehicle.safe_speed import (
+    CURVATURE_WINDOW_M,
+    HARD_STOP_MARGIN_M,
+    SAFE_GAP_M,
+    following_speed,
+    stopping_speed,
+)
 
 Array = NDArray[np.float64]
 

@@ -15,12 +15,22 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
 from sumo_reactive.driver.geometry.swept import swept_sides
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, MAX_CENTRING_M, WAITING_LENGTH_M, WAITING_WIDTH_M
+from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.lane import road_of
+
+MAX_CENTRING_M = 0.6
+"""In a bend a long vehicle keeps to the outside by at most this, as its rear keeps to the inside: farther, its front bumper
+would reach into the next lane."""
+
+WAITING_LENGTH_M = 5.0
+"""A car of this length…"""
+
+WAITING_WIDTH_M = 1.8
+"""…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
 BEYOND_M = 0.2
 """Rear and, on the side of oncoming traffic, front may leave the lane by this: who drives in the middle of a lane of 3.2 m

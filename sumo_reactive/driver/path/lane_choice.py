@@ -10,12 +10,21 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import LaneSegment, ParallelLane
-from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S, LANE_CHANGE_ROOM_M, SHARED_LANE_COST, SHARED_OVERLAP_M
+from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane, separation
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import PlanError
+
+LANE_CHANGE_ROOM_M = 40.0
+"""Room that one lane change should find on an edge; a change with less costs more, so that the plan makes it earlier."""
+
+SHARED_OVERLAP_M = 0.7
+"""Lanes of opposite directions that overlap by more are one lane on the map: two cars of 1.8 m do not pass."""
+
+SHARED_LANE_COST = 3.0
+"""What such a lane costs, in lane changes."""
 
 MIN_ROOM_M = 0.1
 

@@ -10,11 +10,11 @@ from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
-from sumo_reactive.driver.parameters import PLAN_HORIZON_M, STOP_LINE_MARGIN_M
+from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
-from sumo_reactive.driver.path.trajectory import CurveStart, Trajectory, lanes_at, trajectory
+from sumo_reactive.driver.path.trajectory import PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
 from sumo_reactive.driver.path.turnaround import leads_back, road_around, turn_in_moves
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane

@@ -12,12 +12,14 @@ from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, eased, joined, wrapped
 from sumo_reactive.driver.nouns.plan import LANE_CHANGE_CLEARANCE_M, LATE_LANE_CHANGE_LENGTH_M
-from sumo_reactive.driver.parameters import CURVE_RUNOUT_M
 from sumo_reactive.driver.path.lane_choice import LaneStep
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import ScheduledStop
+
+CURVE_RUNOUT_M = 10.0
+"""C goes on straight this far behind the goal, so that points ahead of the car always exist."""
 
 
 @dataclass(frozen=True, eq=False)

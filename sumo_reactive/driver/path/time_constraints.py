@@ -12,8 +12,8 @@ from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
-from sumo_reactive.driver.parameters import CURVATURE_WINDOW_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.safe_speed import CURVATURE_WINDOW_M
 
 MIN_SPEED = 0.1
 """m/s; keeps the time of a sample finite where a speed limit or a standing start is 0."""

@@ -15,23 +15,41 @@ from scipy.ndimage import maximum_filter1d
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M, Curve, project_each
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, curvature_of, cut, eased, moved_aside, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
-from sumo_reactive.driver.parameters import (
-    COMFORT_DEVIATION_M,
-    MAX_START_BLEND_M,
-    MAX_SWING_OUT_M,
-    MIN_START_BLEND_M,
-    MIN_STEP_LATERAL,
-    PLAN_HORIZON_M,
-    SMOOTHING_GROWTH,
-    SMOOTHING_LENGTH_M,
-    SMOOTHING_PASSES,
-    SMOOTHING_REACH_M,
-)
 from sumo_reactive.driver.path.aside import centred, clear_of_others
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.turning import turnable
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, QUINTIC_TURN_CURVATURE, side_step_length
+from sumo_reactive.driver.vehicle.travel_time import (
+    MAX_START_BLEND_M,
+    MIN_START_BLEND_M,
+    QUINTIC_STEP_CURVATURE,
+    QUINTIC_TURN_CURVATURE,
+    side_step_length,
+)
+
+PLAN_HORIZON_M = 2000.0
+"""C is planned this far ahead and prolonged before it runs out."""
+
+MIN_STEP_LATERAL = 0.7
+"""m/s²; lateral acceleration that is left for a move aside in the tightest bend."""
+
+MAX_SWING_OUT_M = 0.3
+"""A transition from a pose that heads out of its lane leads at most this much farther out, if the car can turn so soon."""
+
+SMOOTHING_LENGTH_M = 1.6
+"""Length over which a kink of the centre line is rounded at first; a 4.4 m turn then keeps within 0.15 m of its lane."""
+
+SMOOTHING_GROWTH = 1.35
+"""Growth of the smoothing length per pass where C is still too tight; one pass adds some 35 % of deviation."""
+
+SMOOTHING_REACH_M = 5.0
+"""A place that is too tight loosens C this far on both sides: half of a car's turn."""
+
+SMOOTHING_PASSES = 9
+"""Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that COMFORT_DEVIATION_M holds C."""
+
+COMFORT_DEVIATION_M = 0.25
+"""C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""

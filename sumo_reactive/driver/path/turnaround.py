@@ -17,21 +17,24 @@ from sumo_reactive.driver.geometry.polyline import Floats, Polyline
 from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.state import Pose
-from sumo_reactive.driver.parameters import (
-    MOVE_CHANGE_S,
-    STEERING_MARGIN,
-    STOP_LINE_MARGIN_M,
-    TURNAROUND_LEAD_M,
-    TURNAROUNDS_KEPT,
-)
+from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.path.trajectory import CurveStart, trajectory
-from sumo_reactive.driver.path.turning import U_TURN_RAD
+from sumo_reactive.driver.path.turning import STEERING_MARGIN, U_TURN_RAD
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+MOVE_CHANGE_S = 3.0
+"""What changing between forwards and backwards takes, with the wheels turned from lock to lock, s."""
+
+TURNAROUND_LEAD_M = 30.0
+"""A turn's sweep is tried from this far before it to this far behind it, more than a car needs to swing out and back."""
+
+TURNAROUNDS_KEPT = 1024
+"""Turns that are worked out once are kept for so many connections."""
 
 ARC_STEP_M = 0.15
 """Poses on an arc are looked at this far apart."""

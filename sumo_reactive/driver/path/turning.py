@@ -14,8 +14,16 @@ from scipy.ndimage import maximum_filter1d
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Points, curvature_of
 from sumo_reactive.driver.geometry.swept import steering_along
-from sumo_reactive.driver.parameters import MAX_STEERING_PER_M, STEERING_MARGIN, TURN_REACH
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+TURN_REACH = 2.8
+"""A turn too tight to steer is refitted this many turning radii on both sides: room to swing out and come back."""
+
+MAX_STEERING_PER_M = 0.2
+"""rad/m; C turns the wheels no faster in a turn that was refitted: 0.8 rad/s at 4 m/s."""
+
+STEERING_MARGIN = 0.95
+"""Share of the largest steering angle that C aims at; the executor needs the rest to correct errors."""
 
 ITERATIONS = 30
 MOST_STEPS = 90

@@ -6,6 +6,15 @@ import math
 
 from sumo_reactive.driver.compilation import kernel
 
+CURVATURE_WINDOW_M = 2.0
+"""Curvature is averaged over this length before it sets a speed: single samples do not brake a car."""
+
+SAFE_GAP_M = 0.5
+"""Gap that must remain when ego and leader have both braked as hard as they can."""
+
+HARD_STOP_MARGIN_M = 0.15
+"""Distance to a line that no admissible command gives up; a line that asks late is stopped at so near."""
+
 
 @kernel
 def stopping_speed(distance: float, deceleration: float, period: float) -> float:

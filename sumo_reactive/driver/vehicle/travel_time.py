@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import math
 
-from sumo_reactive.driver.parameters import (
-    FAST_CHANGE_GROWTH,
-    FAST_CHANGE_SPEED,
-    LANE_CHANGE_DURATION_S,
-    MAX_START_BLEND_M,
-    MIN_START_BLEND_M,
-    START_CURVATURE_SHARE,
-)
+from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+FAST_CHANGE_SPEED = 15.0
+"""m/s; above it a lane change takes longer, for a road that bends leaves less of the lateral acceleration and jerk…"""
+
+FAST_CHANGE_GROWTH = 0.06
+"""…by this much per m/s (s²/m): 3.9 s at 30 m/s, with a lateral jerk of 60·3.5 m / T³ = 3.5 m/s³."""
+
+MIN_START_BLEND_M = 8.0
+"""Shortest transition from the car's pose to the lane's centre: about two car radii."""
+
+MAX_START_BLEND_M = 160.0
+"""Longest transition from the car's pose: a lane change at 40 m/s."""
+
+START_CURVATURE_SHARE = 0.6
+"""Share of the car's curvature that the transition to the centre line may use; the road's own bend needs the rest."""
 
 
 def travel_time(distance: float, speed: float, acceleration: float, top_speed: float) -> float:

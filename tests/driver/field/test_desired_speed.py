@@ -14,15 +14,8 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour
-from sumo_reactive.driver.parameters import (
-    COARSE_STOP_MARGIN_M,
-    HARD_STOP_MARGIN_M,
-    SAFE_GAP_M,
-    SLOT_HEADWAY_S,
-    STOP_LINE_MARGIN_M,
-    TIME_TOLERANCE_S,
-)
-from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
+from sumo_reactive.driver.parameters import COARSE_STOP_MARGIN_M, SLOT_HEADWAY_S, STOP_LINE_MARGIN_M, TIME_TOLERANCE_S
+from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M, SAFE_GAP_M, following_speed, stopping_speed
 
 ROAD = plan_along(straight())
 FRONT = 10.0

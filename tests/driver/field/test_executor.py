@@ -17,7 +17,8 @@ from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import HARD_STOP_MARGIN_M, PLANNED_DECELERATION
+from sumo_reactive.driver.parameters import PLANNED_DECELERATION
+from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
 ROAD = plan_along(straight())
 TIGHT = 4.4

@@ -5,8 +5,9 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.parameters import HARD_STOP_MARGIN_M, YELLOW_DECELERATION
+from sumo_reactive.driver.parameters import YELLOW_DECELERATION
 from sumo_reactive.driver.pilot.rules.lights import has_passed
+from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
 CROSSING = "signalised_left_turns"
 STRAIGHT = ("from_south", "to_north")

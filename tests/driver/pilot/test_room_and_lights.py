@@ -14,11 +14,12 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.driver.nouns.plan import PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
-from sumo_reactive.driver.parameters import FOE_PATIENCE_S, HARD_STOP_MARGIN_M, MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.parameters import FOE_PATIENCE_S, MISSED_TURN_S, QUEUE_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
+from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.world.route import ScheduledStop
 
 SOUTH_NORTH, WEST_EAST = ("from_south", "to_north"), ("from_west", "to_east")

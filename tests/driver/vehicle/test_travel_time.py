@@ -6,13 +6,14 @@ from helpers.cars import CAR
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sumo_reactive.driver.parameters import (
-    LANE_CHANGE_DURATION_S,
+from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S
+from sumo_reactive.driver.vehicle.travel_time import (
     MAX_START_BLEND_M,
     MIN_START_BLEND_M,
+    QUINTIC_STEP_CURVATURE,
     START_CURVATURE_SHARE,
+    side_step_length,
 )
-from sumo_reactive.driver.vehicle.travel_time import QUINTIC_STEP_CURVATURE, side_step_length
 
 WIDTH = 3.2
 offsets, speeds, errors = st.floats(0.0, 6.0), st.floats(0.0, 45.0), st.floats(0.0, 1.0)

@@ -16,7 +16,6 @@ from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
     FOE_PATIENCE_S,
     FOLLOWER_STANDSTILL_GAP_M,
-    HARD_STOP_MARGIN_M,
     MAX_ACCELERATION_IN_PLAN,
     MISSED_TURN_S,
     PLANNED_DECELERATION,
@@ -26,6 +25,7 @@ from sumo_reactive.driver.parameters import (
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind
 
