@@ -168,8 +168,7 @@ def _row(wall: np.ndarray, cpu: np.ndarray) -> str:
 
 def time_bitmap() -> None:
     """Print the time of one bitmap of U₁."""
-    from sumo_reactive.driver.field.valley_map import CELLS, valley_bitmap
-    from sumo_reactive.driver.parameters import MAP_SIDE_M
+    from sumo_reactive.driver.field.valley_map import CELLS, MAP_SIDE_M, valley_bitmap
 
     cell = MAP_SIDE_M / CELLS
     arc = np.arange(0.0, MAP_SIDE_M, 0.5 * cell)

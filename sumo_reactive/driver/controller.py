@@ -10,13 +10,13 @@ from typing import NamedTuple
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.field.executor import Execution, execute
-from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap, valley_map
+from sumo_reactive.driver.field.valley_map import MAP_MARGIN_M, MAP_SIDE_M, NO_MAP, ValleyMap, valley_map
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S
+from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.driver.path.time_constraints import retimed
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory

@@ -13,13 +13,19 @@ from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import Traffic
-from sumo_reactive.driver.parameters import DETOUR_PATIENCE_S, OFF_CURVE_M, PLAN_RESERVE_M
+from sumo_reactive.driver.parameters import DETOUR_PATIENCE_S
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.errors import PlanError
+
+PLAN_RESERVE_M = 600.0
+"""C is prolonged when less than this is left of it and the goal is not on it (braking from 50 m/s takes 500 m)."""
+
+OFF_CURVE_M = 1.5
+"""An ego this far from C plans anew from where it is."""
 
 
 class Ways(Protocol):

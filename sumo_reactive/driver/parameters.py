@@ -52,35 +52,14 @@ STANDSTILL_GAP_M = 2.0
 ATTENTION_TIME_S = 8.0
 """The ego looks this long ahead at its present speed."""
 
-ATTENTION_MIN_AHEAD_M = 60.0
-"""…but at least this far."""
-
-ATTENTION_BEHIND_M = 90.0
-"""How far back a lane is watched before changing onto it: 3 s at 30 m/s of closing speed."""
-
 CORRIDOR_MARGIN_M = 0.2
 """Added to each side of the ego when it asks what stands in its way, unless it sweeps more in a bend."""
-
-ABREAST_WIDTH_M = 2.5
-"""The widest ordinary body, a truck's or bus's."""
-
-MIN_ABREAST_M = 0.1
-"""Who would be nearer than this beside the ego is not passed, nor let pass."""
 
 NARROW_LEAD_S = 0.5
 """The ego goes first through a narrow place if its rear is past it so long before the other comes; at 10 m/s it is 5 m."""
 
 NARROW_HEADWAY = 0.5
 """Share of its time headway that the ego keeps to who is first at a narrow place: he will leave its way again."""
-
-STATIC_REACH_M = 12.0
-"""Taxicab distance up to which exact U₁ sees points of O_S: β·d/12 m is 4 % of α·d, and F moves 7 m in 0.1 s at 70 m/s."""
-
-PROJECTION_WINDOW_M = 8.0
-"""How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
-
-FORECAST_REACH_M = 300.0
-"""Others are foreseen this far: 13 s at 22 m/s."""
 
 # --- pilot ------------------------------------------------------------------------------------------------------------
 MIN_LANE_CHANGE_LENGTH_M = 12.0
@@ -149,16 +128,6 @@ COMMITTED_PATIENCE = 0.4
 
 REGION_MARGIN_M = 0.5
 """Distance kept to a region when waiting inside a junction."""
-
-CROSSER_MARGIN_S = 0.5
-"""A crossing car counts as gone if it leaves the corridor this long before the ego comes."""
-
-MEETING_FORESEEN_S = 3.0
-"""Who comes towards the ego or crosses is foreseen so far, to see whether he leaves the corridor before they meet: the
-time that the comfortable deceleration takes from 7.5 m/s…"""
-
-MEETING_STEP_S = 0.1
-"""…in steps of at least this."""
 
 LANE_CHANGE_LOOK_AHEAD_S = 20.0
 """A needed lane change is sought this long before its latest place…"""
@@ -353,12 +322,6 @@ HALTED_ROOM_M = 8.0
 BACK_UP_CLEAR_M = 2.0
 """Room that must be left behind the ego after backing up."""
 
-BACK_UP_SPEED = 1.0
-"""m/s; walking speed."""
-
-MOVE_SIGHT_M = 0.8
-"""A move goes on while the ego's body touches nobody this far beyond where it could stop."""
-
 TURNAROUND_PATIENCE_S = 30.0
 """Who comes over the ground that a turn needs is let pass, until the ego has stood there for so long."""
 
@@ -378,9 +341,6 @@ LOOK_AHEAD_S = 0.2
 
 LOOK_AHEAD_GROWTH = 0.02
 """s per m/s; the look-ahead grows with speed so that fast driving steers gently."""
-
-MIN_LOOK_AHEAD_M = 0.6
-"""…but at least this far ahead, so that a standing car knows where to steer."""
 
 VALLEY_ATTRACTION = 1.0
 """α of U₁, 1/m (F&L 1991, §3.3.1)."""
@@ -403,15 +363,9 @@ MAX_LEAN_M = 0.4
 COLLISION_HORIZON_S = 0.7
 """Predicted footprints are tested this far; beyond, the others' headings no longer hold and the regions decide."""
 
-COLLISION_STEP_S = 0.1
-"""Time between tested footprints."""
-
 ROLLING_SHARE = 0.35
 """An ego slows down for a gap that is to open from where this share of the comfortable braking would stop it on: farther
 away the gap before the foe may yet turn out to be enough."""
-
-ROLLING_APPROACH_S = 3.0
-"""Time constant with which the ego slows down for a gap that is foreseen to open."""
 
 SPEED_APPROACH_S = 0.6
 """Time constant with which the ego approaches a speed limit from below."""
@@ -423,38 +377,14 @@ ON_LINE_M = 0.05
 """A front bumper no farther over a line than this is at it: a car inserted at the very end of its lane, or one that has
 stopped there, has not passed its light. SUMO's lanes and C agree to less."""
 
-TURN_FORESEEN_S = COLLISION_HORIZON_S
-"""The others' turning is taken over this time, along their lanes."""
-
-COARSE_STOP_MARGIN_M = 0.4
-"""The same for nine commands, each held half a second: with less they creep on until it is too late to stop."""
-
 MAX_LATERAL_JERK = 14.0
 """m/s³; bounds φ̇max at road speed. With 8 a car at 30 m/s needed 0.9 s to reverse its steering and wove about C."""
-
-PAPER_LATERAL_STEP = 1.1
-"""m/s²; most that one of the nine commands changes the lateral acceleration: coarser, it weaves; finer, it turns late."""
-
-PAPER_STEERING_SPEED = 4.0
-"""m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
 
 TIME_TOLERANCE_S = 2.0
 """The ego slows down for a time constraint only if it would be earlier than this."""
 
-MAP_SIDE_M = 100.0
-"""Side l of the world window that a bitmap covers; a cell is l/500 = 0.2 m (F&L 1991, §4)."""
-
 SLOT_HEADWAY_S = 0.4
 """Time headway to the vehicle on the other lane behind which the ego falls in."""
-
-SPEED_SLACK = 0.5
-"""m/s above the road's speed that comfortable braking takes back…"""
-
-EXCESS_GAIN = 2.0
-"""…beyond it the ego brakes harder by this much per m/s (1/s)."""
-
-BRAKING_SHARE = 0.8
-"""Share of the way to the hard margin within which a late stop is planned, where the comfortable margin is used up."""
 
 PLANNED_DECELERATION = 3.0
 """m/s²; hardest braking that is no emergency: what a yellow asks for. Harder is an emergency, and only where this braking
@@ -463,16 +393,6 @@ does not stop clear."""
 PRESSING_GAIN = 3.0
 """Where a stop or a leader needs more than comfortable braking, the ego brakes by this many times the difference harder at
 once, up to the planned: the way that is won early spares an emergency."""
-
-BEND_SHARE = 0.9
-"""Share of the largest lateral acceleration that a bend may take which comes too soon for the comfortable one."""
-
-BEND_ENTRY_S = 0.5
-"""s; what a bend asks for nearer than this is braked for harder than planned only if the car would be carried off C…"""
-
-BEND_ROOM_M = 0.7
-"""…by more than this: a car of 1.8 m in the middle of a lane of 3.2 m leaves it."""
-
 
 # --- control step -----------------------------------------------------------------------------------------------------
 CONTROL_PERIOD_S = 0.1
@@ -483,10 +403,6 @@ PAPER_CONTROL_PERIOD_S = 0.5
 
 WITHOUT = 0
 """Number of the mechanism that is left out, see `ablation.py`; 0: none. `tools/ablation.py` measures what is then lost."""
-
-MAP_MARGIN_M = 20.0
-"""A new bitmap is drawn when the ego comes this near to the rim."""
-
 
 # --- hand-over in SUMO ------------------------------------------------------------------------------------------------
 MIN_PATH_LENGTH_M = 0.1
@@ -521,19 +437,6 @@ POLYGON_REACH_M = 150.0
 
 THIN_POLYGON_M = 0.05
 """Half the width of a polygon that is but a line or a point."""
-
-PLAN_RESERVE_M = 600.0
-"""C is prolonged when less than this is left of it and the goal is not on it (braking from 50 m/s takes 500 m)."""
-
-OFF_CURVE_M = 1.5
-"""An ego this far from C plans anew from where it is."""
-
-CUT_M = 0.6
-"""A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
-0.7 m."""
-
-CUT_SIGHT_M = 60.0
-"""So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
 
 CUT_PATIENCE_S = 15.0
 """After so long a wait for a gap to cut into, the ego takes one that those behind must brake for, though not hard."""

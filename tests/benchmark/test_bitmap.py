@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sumo_reactive.driver.field.valley_map import CELLS, valley_bitmap
-from sumo_reactive.driver.parameters import MAP_SIDE_M
+from sumo_reactive.driver.field.valley_map import CELLS, MAP_SIDE_M, valley_bitmap
 
 CELL = MAP_SIDE_M / CELLS
 

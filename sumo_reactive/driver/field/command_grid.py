@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.parameters import (
-    COMFORT_JERK,
-    MAX_LATERAL_JERK,
-    PAPER_LATERAL_STEP,
-    PAPER_STEERING_SPEED,
-)
+from sumo_reactive.driver.parameters import COMFORT_JERK, MAX_LATERAL_JERK
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+PAPER_LATERAL_STEP = 1.1
+"""m/s²; most that one of the nine commands changes the lateral acceleration: coarser, it weaves; finer, it turns late."""
+
+PAPER_STEERING_SPEED = 4.0
+"""m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
 
 Array = NDArray[np.float64]
 

@@ -24,20 +24,11 @@ from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour, Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.parameters import (
-    BACK_UP_SPEED,
-    BEND_ENTRY_S,
-    BEND_ROOM_M,
-    BEND_SHARE,
-    BRAKING_SHARE,
-    COARSE_STOP_MARGIN_M,
     COMFORT_JERK,
-    EXCESS_GAIN,
     PRESSING_GAIN,
-    ROLLING_APPROACH_S,
     ROLLING_SHARE,
     SLOT_HEADWAY_S,
     SPEED_APPROACH_S,
-    SPEED_SLACK,
     STOP_LINE_MARGIN_M,
     TIME_TOLERANCE_S,
 )
@@ -50,6 +41,34 @@ from sumo_reactive.driver.vehicle.safe_speed import (
     following_speed,
     stopping_speed,
 )
+
+BACK_UP_SPEED = 1.0
+"""m/s; walking speed."""
+
+ROLLING_APPROACH_S = 3.0
+"""Time constant with which the ego slows down for a gap that is foreseen to open."""
+
+COARSE_STOP_MARGIN_M = 0.4
+"""Distance to a line that none of the nine commands gives up, each held half a second: with less they creep on until it is
+too late to stop."""
+
+SPEED_SLACK = 0.5
+"""m/s above the road's speed that comfortable braking takes back…"""
+
+EXCESS_GAIN = 2.0
+"""…beyond it the ego brakes harder by this much per m/s (1/s)."""
+
+BRAKING_SHARE = 0.8
+"""Share of the way to the hard margin within which a late stop is planned, where the comfortable margin is used up."""
+
+BEND_SHARE = 0.9
+"""Share of the largest lateral acceleration that a bend may take which comes too soon for the comfortable one."""
+
+BEND_ENTRY_S = 0.5
+"""s; what a bend asks for nearer than this is braked for harder than planned only if the car would be carried off C…"""
+
+BEND_ROOM_M = 0.7
+"""…by more than this: a car of 1.8 m in the middle of a lane of 3.2 m leaves it."""
 
 Array = NDArray[np.float64]
 

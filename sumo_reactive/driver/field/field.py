@@ -17,11 +17,9 @@ from sumo_reactive.driver.field.velocity import velocity_potential
 from sumo_reactive.driver.geometry.curve import project_on_curve
 from sumo_reactive.driver.parameters import (
     COLLISION_HORIZON_S,
-    COLLISION_STEP_S,
     CONTROL_PERIOD_S,
     LOOK_AHEAD_GROWTH,
     LOOK_AHEAD_S,
-    MIN_LOOK_AHEAD_M,
     PAPER_CONTROL_PERIOD_S,
     SHADOW_HORIZON_M,
     SHADOW_SCALE,
@@ -29,6 +27,12 @@ from sumo_reactive.driver.parameters import (
     VALLEY_REPULSION,
 )
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
+
+MIN_LOOK_AHEAD_M = 0.6
+"""F is looked at no nearer than this ahead, so that a standing car knows where to steer."""
+
+COLLISION_STEP_S = 0.1
+"""Time between tested footprints."""
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,11 @@ from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SPEED, WHEELS_TURNED_RAD, Move
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
-from sumo_reactive.driver.parameters import MOVE_SIGHT_M
 from sumo_reactive.driver.vehicle.bicycle import advance, advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+MOVE_SIGHT_M = 0.8
+"""A move goes on while the ego's body touches nobody this far beyond where it could stop."""
 
 LEAST_SPEED = 0.1
 """m/s; how fast a move comes to its end."""

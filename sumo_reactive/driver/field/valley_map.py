@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.parameters import MAP_SIDE_M, VALLEY_ATTRACTION, VALLEY_REPULSION
+from sumo_reactive.driver.parameters import VALLEY_ATTRACTION, VALLEY_REPULSION
+
+MAP_SIDE_M = 100.0
+"""Side l of the world window that a bitmap covers; a cell is l/500 = 0.2 m (F&L 1991, §4)."""
+
+MAP_MARGIN_M = 20.0
+"""A new bitmap is drawn when the ego comes this near to the rim."""
 
 Array = NDArray[np.float64]
 

@@ -10,11 +10,17 @@ from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ATTENTION_BEHIND_M, ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S
+from sumo_reactive.driver.parameters import ATTENTION_TIME_S
 from sumo_reactive.driver.world.abreast import SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+ATTENTION_MIN_AHEAD_M = 60.0
+"""The ego looks at least this far ahead, however slow it is."""
+
+ATTENTION_BEHIND_M = 90.0
+"""How far back a lane is watched before changing onto it: 3 s at 30 m/s of closing speed."""
 
 
 class Threat(NamedTuple):

@@ -9,8 +9,7 @@ from sumo_reactive.driver.nouns.forecast import LaneBeside, Queue, Queued
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ATTENTION_BEHIND_M
-from sumo_reactive.driver.view.attention import lane_axis
+from sumo_reactive.driver.view.attention import ATTENTION_BEHIND_M, lane_axis
 from sumo_reactive.driver.world.lane import Lane, road_of, separation
 from sumo_reactive.driver.world.road_graph import RoadGraph
 

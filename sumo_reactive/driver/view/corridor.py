@@ -17,10 +17,20 @@ from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import NEAR_M, OffTracking
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, CUT_M, CUT_SIGHT_M, TURN_FORESEEN_S
+from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+TURN_FORESEEN_S = 0.7
+"""The others' turning is taken over this time, along their lanes: for as long as footprints are tested."""
+
+CUT_M = 0.6
+"""A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
+0.7 m."""
+
+CUT_SIGHT_M = 60.0
+"""So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
 
 SPEED_GAINED = 2.0
 """m/s; no command adds more to the ego's speed."""

@@ -14,8 +14,10 @@ from sumo_reactive.driver.geometry.polyline import Floats, Polyline, wrapped
 from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Forecast
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import FORECAST_REACH_M
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+FORECAST_REACH_M = 300.0
+"""Others are foreseen this far: 13 s at 22 m/s."""
 
 
 def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> Forecast:

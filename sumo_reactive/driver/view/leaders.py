@@ -15,20 +15,21 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import (
-    ABREAST_WIDTH_M,
-    CROSSER_MARGIN_S,
-    FOE_ACCELERATION,
-    MAX_ACCELERATION_IN_PLAN,
-    MIN_ABREAST_M,
-    NARROW_HEADWAY,
-    NARROW_LEAD_S,
-)
+from sumo_reactive.driver.parameters import FOE_ACCELERATION, MAX_ACCELERATION_IN_PLAN, NARROW_HEADWAY, NARROW_LEAD_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.abreast import abreast_of, beside
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+ABREAST_WIDTH_M = 2.5
+"""The widest ordinary body, a truck's or bus's."""
+
+MIN_ABREAST_M = 0.1
+"""Who would be nearer than this beside the ego is not passed, nor let pass."""
+
+CROSSER_MARGIN_S = 0.5
+"""A crossing car counts as gone if it leaves the corridor this long before the ego comes."""
 
 FASTER = 2.0
 """m/s; the ego may speed up by so much until it meets somebody."""

@@ -12,12 +12,13 @@ from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, T
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ASSESSED_S, ATTENTION_MIN_AHEAD_M, FORECAST_REACH_M, OVERTAKING_S, SLOW_SHARE
+from sumo_reactive.driver.parameters import ASSESSED_S, OVERTAKING_S, SLOW_SHARE
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import SAFE_GAP_M
+from sumo_reactive.driver.view.attention import ATTENTION_MIN_AHEAD_M
 from sumo_reactive.driver.view.beside import lanes_beside, queues
-from sumo_reactive.driver.view.foresee import foresee, paths_ahead
+from sumo_reactive.driver.view.foresee import FORECAST_REACH_M, foresee, paths_ahead
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 

@@ -13,22 +13,32 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import (
-    ATTENTION_MIN_AHEAD_M,
-    ATTENTION_TIME_S,
-    MEETING_FORESEEN_S,
-    MEETING_STEP_S,
-    PROJECTION_WINDOW_M,
-    TURN_FORESEEN_S,
-)
+from sumo_reactive.driver.parameters import ATTENTION_TIME_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.attention import foes_of, in_sight, lane_axis, lane_sought, place_beside
-from sumo_reactive.driver.view.corridor import band_of, blocking_ones, near_boxes, next_off_tracking
+from sumo_reactive.driver.view.attention import (
+    ATTENTION_MIN_AHEAD_M,
+    foes_of,
+    in_sight,
+    lane_axis,
+    lane_sought,
+    place_beside,
+)
+from sumo_reactive.driver.view.corridor import TURN_FORESEEN_S, band_of, blocking_ones, near_boxes, next_off_tracking
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
 from sumo_reactive.driver.view.lane_room import lane_room
 from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
 from sumo_reactive.driver.view.static import static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+PROJECTION_WINDOW_M = 8.0
+"""How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
+
+MEETING_FORESEEN_S = 3.0
+"""Who comes towards the ego or crosses is foreseen so far, to see whether he leaves the corridor before they meet: the
+time that the comfortable deceleration takes from 7.5 m/s…"""
+
+MEETING_STEP_S = 0.1
+"""…in steps of at least this."""
 
 _NO_BOXES: Floats = np.empty((0, 6))
 

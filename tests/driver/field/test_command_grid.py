@@ -7,9 +7,8 @@ from helpers.cars import CAR
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid
+from sumo_reactive.driver.field.command_grid import PAPER_LATERAL_STEP, CommandGrid, lattice, paper_grid
 from sumo_reactive.driver.field.field import around
-from sumo_reactive.driver.parameters import PAPER_LATERAL_STEP
 
 speeds = st.floats(0.0, 50.0)
 

@@ -7,14 +7,14 @@ import pytest
 from helpers.cars import CAR, car_at
 from helpers.curves import asked, driven, on_curve, plan_along, seen, straight
 
-from sumo_reactive.driver.field.executor import desired_speed, execute, room_to_brake
+from sumo_reactive.driver.field.executor import COARSE_STOP_MARGIN_M, desired_speed, execute, room_to_brake
 from sumo_reactive.driver.field.velocity import cruise_speed
 from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour
-from sumo_reactive.driver.parameters import COARSE_STOP_MARGIN_M, SLOT_HEADWAY_S, STOP_LINE_MARGIN_M, TIME_TOLERANCE_S
+from sumo_reactive.driver.parameters import SLOT_HEADWAY_S, STOP_LINE_MARGIN_M, TIME_TOLERANCE_S
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M, SAFE_GAP_M, following_speed, stopping_speed
 
 ROAD = plan_along(straight())

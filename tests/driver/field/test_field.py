@@ -10,7 +10,7 @@ from helpers.curves import asked, on_curve, plan_along, seen, straight
 
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, steering_rate_limit, wide_grid
 from sumo_reactive.driver.field.executor import execute
-from sumo_reactive.driver.field.field import expand, leads_to, mapped_valley, ramped
+from sumo_reactive.driver.field.field import MIN_LOOK_AHEAD_M, expand, leads_to, mapped_valley, ramped
 from sumo_reactive.driver.nouns.completed_plan import Tuning
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
@@ -20,7 +20,6 @@ from sumo_reactive.driver.parameters import (
     LOOK_AHEAD_GROWTH,
     LOOK_AHEAD_S,
     MAX_LATERAL_JERK,
-    MIN_LOOK_AHEAD_M,
     VALLEY_ATTRACTION,
     VALLEY_REPULSION,
 )

@@ -8,13 +8,12 @@ import pytest
 from helpers.cars import CAR, car_at
 from helpers.curves import asked, plan_along, seen, straight
 
-from sumo_reactive.driver.field.executor import back_up, execute
+from sumo_reactive.driver.field.executor import BACK_UP_SPEED, back_up, execute
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import BACK_UP_SPEED
 
 ROAD = plan_along(straight())
 LOCK, BEND = 0.6, math.sin(0.6) / CAR.wheelbase

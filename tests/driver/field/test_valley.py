@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from sumo_reactive.driver.field.valley import LEAST_ROOM_M, least_to_static, valley_potential
-from sumo_reactive.driver.field.valley_map import CELLS, map_potential, taxicab_transform, valley_bitmap, valley_map
-from sumo_reactive.driver.parameters import MAP_SIDE_M, VALLEY_ATTRACTION, VALLEY_REPULSION
+from sumo_reactive.driver.field.valley_map import (
+    CELLS,
+    MAP_SIDE_M,
+    map_potential,
+    taxicab_transform,
+    valley_bitmap,
+    valley_map,
+)
+from sumo_reactive.driver.parameters import VALLEY_ATTRACTION, VALLEY_REPULSION
 
 LINE = straight()
 places = st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))

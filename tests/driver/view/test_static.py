@@ -6,9 +6,8 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Traffic
-from sumo_reactive.driver.parameters import STATIC_REACH_M
 from sumo_reactive.driver.view.perceive import perceive
-from sumo_reactive.driver.view.static import static_near, static_within
+from sumo_reactive.driver.view.static import STATIC_REACH_M, static_near, static_within
 
 
 @pytest.fixture(scope="module")
