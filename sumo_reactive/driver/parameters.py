@@ -7,10 +7,6 @@ from sumo_reactive.driver.overrides import apply_overrides
 APPROACH_HORIZON_M = 200.0
 """Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
 
-BEFORE_THE_LINE_M = 3.0
-"""Where a region begins farther before a stop line than this, nobody is trusted to yield: SUMO's cars look at each other's
-times behind the lines only."""
-
 # --- nominal trajectory C ---------------------------------------------------------------------------------------------
 
 LANE_CHANGE_DURATION_S = 3.0
@@ -62,14 +58,9 @@ NARROW_HEADWAY = 0.5
 """Share of its time headway that the ego keeps to who is first at a narrow place: he will leave its way again."""
 
 # --- pilot ------------------------------------------------------------------------------------------------------------
-MIN_LANE_CHANGE_LENGTH_M = 12.0
-"""Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
 
 MAX_ACCELERATION_IN_PLAN = 2.0
 """m/s²; what the pilot counts on when it foresees its own motion (SUMO's default passenger car does 2.6)."""
-
-STOP_REACHED_M = 2.0
-"""A stop counts as reached when the ego stands this close before it."""
 
 YELLOW_S = 3.0
 """The least time that a light is yellow (StVO, at 50 km/h); SUMO's programs have no less unless the user says so."""
@@ -120,14 +111,8 @@ HESITATING_SPEED = 3.0
 HESITATION_S = 1.5
 """…since this long after it last came on: the time of a start."""
 
-ZIPPER_LEAD_M = 0.1
-"""Where lanes merge in turns, who is nearer by more than this goes first."""
-
 COMMITTED_PATIENCE = 0.4
 """Share of the margins that still must remain once the ego is inside the junction."""
-
-REGION_MARGIN_M = 0.5
-"""Distance kept to a region when waiting inside a junction."""
 
 LANE_CHANGE_LOOK_AHEAD_S = 20.0
 """A needed lane change is sought this long before its latest place…"""
@@ -147,13 +132,6 @@ CAUTIOUS_AHEAD_S = 4.0
 CAUTIOUS_AHEAD_M = 10.0
 """…and this far."""
 
-WAIT_SHIFT_M = 4.0
-"""A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
-
-WAIT_INTO_M = 1.0
-"""A foe before its line is trusted to wait inside the junction only where its front then reaches no farther into the region:
-the ego's way is moved aside by as much. An ego that stands or creeps so little behind its place to wait still waits."""
-
 FOLLOWER_HEADWAY_S = 0.8
 """Time headway left to who is behind on the other lane, while there is still way for another gap."""
 
@@ -169,24 +147,11 @@ URGENT_REACTION_S = 0.15
 URGENT_DECELERATION = 3.5
 """…and the braking (m/s²) that the ego asks of itself there behind who is ahead."""
 
-FEARED_DECELERATION = 4.5
-"""m/s²; a follower keeps clear of somebody ahead who may brake so: what SUMO's default car does in normal driving…"""
-
 EASY_STOP_DECELERATION = 3.3
 """…and must then stop with this (m/s²), which at equal speeds of 28 m/s is a headway of 1.2 s…"""
 
 HARD_STOP_DECELERATION = 3.8
 """…and with this at the last place for a change: SUMO's cars brake 1.2 times as hard as they must, here 4.6 m/s²…"""
-
-FOLLOWER_STANDSTILL_GAP_M = 2.5
-"""…and with this gap at standstill (SUMO's minGap)."""
-
-OFF_THE_LINE_M = 1.5
-"""A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
-
-ENTERING_M = 6.0
-"""Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
-
 
 BEHAVIOUR_TOLERANCE = 1.0
 """m/s; another road user keeps its behaviour as long as its speed differs less from the foreseen one."""
@@ -215,36 +180,18 @@ QUEUE_HEADWAY_S = 2.0
 TURNER_WAIT_S = 10.0
 """What somebody in the queue who turns off and has to let others go first adds to the wait: two or three gaps refused."""
 
-TURNERS_FEARED = 2
-"""More of them in one queue are not counted: nobody knows how many go in one gap."""
-
 QUEUE_GAIN_S = 9.0
 """A queue is left for one that is expected to be shorter by this for each lane change, which costs comfort and may not come
 to pass: less than a red light costs, more than four cars."""
 
-QUEUED_SPEED = 3.0
-"""m/s; who is slower than this before the line is in the queue."""
-
-HEAD_STANDS_S = 2.0
-"""The head of a queue that stands for less while it may go is about to start; for longer, it waits for something else."""
-
-SWING_OUT_M = 6.0
-"""Room behind somebody who stands that a car needs to leave the lane past him; HALTED_ROOM_M is what it keeps if it can."""
-
 QUEUE_PATIENCE_S = 90.0
 """…and one that waits beside a queue, or farther back, after this long: a light's cycle."""
-
-AT_LANE_END_M = 5.0
-"""At the end of its lane is who is not farther than a car's length from the last place to change."""
 
 PROGRESS_M = 3.0
 """Coming on means this far."""
 
 ASSESSED_S = 8.0
 """The planned manoeuvre is simulated this far ahead: approach and crossing of an intersection at city speed."""
-
-ASSESSMENT_STEP_S = 0.2
-"""Step of that simulation: 2.8 m at city speed, less than a car's length."""
 
 EXCESSIVE_DELAY_S = 5.0
 """k₂ (F&L 1991, §2): a plan that will be later than this is degraded."""
@@ -277,17 +224,11 @@ PASSING_CLEARANCE_M = 0.65
 TWO_WHEELER_CLEARANCE_M = 1.2
 """…and beside two-wheelers, which sway."""
 
-EDGE_MARGIN_M = 0.1
-"""Room kept to the border of the own lane when somebody is passed within it."""
-
 OVERTAKING_END_M = 30.0
 """No overtaking nearer to an intersection than this; the last metres are for coming back before…"""
 
 HALTED_END_M = 3.0
 """…and past somebody who has halted, than this."""
-
-HALTED_GAP_M = 1.0
-"""Gap left in front of somebody who has halted, before coming back."""
 
 RETURN_HEADWAY_S = 0.8
 """Time headway left to who has been passed…"""
@@ -298,17 +239,8 @@ RETURN_GAP_M = 3.0
 OVERTAKING_S = 25.0
 """No overtaking takes longer."""
 
-PROOF_ROOM_M = 0.2
-"""Room around the ego's body that the proof asks for before it pulls out."""
-
 OVERTAKING_MARGIN_S = 3.5
 """Oncoming traffic may be this much earlier than foreseen, or half of it later, and an overtaking still meets nobody…"""
-
-UNDER_WAY_SHARE = 0.6
-"""Share of these margins that must remain while the ego passes: a small error does not call it back."""
-
-PASSING_HEADWAY = 0.6
-"""Share of the driver's time headway kept to X while pulling out."""
 
 MERGE_MARGIN_S = 1.0
 """…and traffic on the lane beside that drives the ego's way this much."""
@@ -319,18 +251,8 @@ OVERTAKING_SIGHT_M = 600.0
 HALTED_ROOM_M = 8.0
 """The ego stops this far behind somebody who has halted: room to swing out."""
 
-BACK_UP_CLEAR_M = 2.0
-"""Room that must be left behind the ego after backing up."""
-
 TURNAROUND_PATIENCE_S = 30.0
 """Who comes over the ground that a turn needs is let pass, until the ego has stood there for so long."""
-
-FALL_BACK_BY = 4.0
-"""m/s; so much slower than X the ego drops back beside it."""
-
-UPDATE_ASIDE_M = 4.0
-"""The place of return is planned anew when it moves by more."""
-
 
 # --- executor ---------------------------------------------------------------------------------------------------------
 COMFORT_JERK = 8.0
@@ -372,10 +294,6 @@ SPEED_APPROACH_S = 0.6
 
 STOP_LINE_MARGIN_M = 0.7
 """Planned distance of the front bumper to a line."""
-
-ON_LINE_M = 0.05
-"""A front bumper no farther over a line than this is at it: a car inserted at the very end of its lane, or one that has
-stopped there, has not passed its light. SUMO's lanes and C agree to less."""
 
 MAX_LATERAL_JERK = 14.0
 """m/s³; bounds φ̇max at road speed. With 8 a car at 30 m/s needed 0.9 s to reverse its steering and wove about C."""

@@ -15,7 +15,6 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     BEHAVIOUR_TOLERANCE,
     DELAY_STEP_S,
-    ENTERING_M,
     NO_PROGRESS_S,
     OFF_NOMINAL_SPEED,
     TIME_TOLERANCE_S,
@@ -27,6 +26,7 @@ from sumo_reactive.driver.pilot.behaviours.turning_round import is_in_reach
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
 from sumo_reactive.driver.pilot.passages import Ahead, View, reach_of
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules
+from sumo_reactive.driver.pilot.rules.region import ENTERING_M
 from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
 from sumo_reactive.driver.pilot.transitions import RULES
 

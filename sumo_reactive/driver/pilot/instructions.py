@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
 from sumo_reactive.driver.nouns.decision import Instruction
-from sumo_reactive.driver.parameters import PASSING_HEADWAY
+
+PASSING_HEADWAY = 0.6
+"""Share of the driver's time headway kept to X while pulling out."""
 
 _USUAL = Weights(valley=10.0, shadow=100.0, velocity=1.0)
 _WEAKENED = Weights(valley=4.0, shadow=150.0, velocity=1.0)

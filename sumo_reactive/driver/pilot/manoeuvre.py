@@ -13,22 +13,19 @@ from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import (
-    ASSESSMENT_STEP_S,
-    CORRIDOR_MARGIN_M,
-    MERGE_MARGIN_S,
-    OVERTAKING_MARGIN_S,
-    OVERTAKING_S,
-    PASSING_HEADWAY,
-    PROOF_ROOM_M,
-    SLOWER_BY,
-    UNDER_WAY_SHARE,
-)
-from sumo_reactive.driver.pilot.assessment import Way, first_contact, followed, leader_table, simulate
+from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, MERGE_MARGIN_S, OVERTAKING_MARGIN_S, OVERTAKING_S, SLOWER_BY
+from sumo_reactive.driver.pilot.assessment import ASSESSMENT_STEP_S, Way, first_contact, followed, leader_table, simulate
+from sumo_reactive.driver.pilot.instructions import PASSING_HEADWAY
 from sumo_reactive.driver.pilot.passed import FIND_REACH_M, Passed, lateral_for, legal_end, passed
 from sumo_reactive.driver.pilot.situation import Proof, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import side_step_length
+
+PROOF_ROOM_M = 0.2
+"""Room around the ego's body that the proof asks for before it pulls out."""
+
+UNDER_WAY_SHARE = 0.6
+"""Share of the margins that must remain while the ego passes: a small error does not call it back."""
 
 Array = NDArray[np.float64]
 

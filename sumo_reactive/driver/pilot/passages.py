@@ -9,15 +9,15 @@ from typing import NamedTuple
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
-from sumo_reactive.driver.parameters import (
-    CAUTIOUS_AHEAD_M,
-    CAUTIOUS_AHEAD_S,
-    COMFORT_DECELERATION,
-    REGION_MARGIN_M,
-    WAIT_SHIFT_M,
-)
+from sumo_reactive.driver.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, COMFORT_DECELERATION
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
+
+REGION_MARGIN_M = 0.5
+"""Distance kept to a region when waiting inside a junction."""
+
+WAIT_SHIFT_M = 4.0
+"""A turn waits up to this far before its waiting place inside the junction if the region begins earlier."""
 
 Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
 """The passages in sight: index in the plan, connection, conflicts."""

@@ -15,9 +15,7 @@ from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M
 from sumo_reactive.driver.parameters import (
-    EDGE_MARGIN_M,
     HALTED_END_M,
-    HALTED_GAP_M,
     OVERTAKING_END_M,
     PASSING_CLEARANCE_M,
     RETURN_GAP_M,
@@ -25,6 +23,12 @@ from sumo_reactive.driver.parameters import (
     TWO_WHEELER_CLEARANCE_M,
 )
 from sumo_reactive.driver.pilot.situation import Situation
+
+EDGE_MARGIN_M = 0.1
+"""Room kept to the border of the own lane when somebody is passed within it."""
+
+HALTED_GAP_M = 1.0
+"""Gap left in front of somebody who has halted, before coming back."""
 
 FIND_REACH_M = 80.0
 """Who is passed is looked for on C this far around the ego."""

@@ -11,16 +11,16 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
 from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
-    FEARED_DECELERATION,
     FOE_ACCELERATION,
     FOLLOWER_DECELERATION,
-    FOLLOWER_STANDSTILL_GAP_M,
     GAP_AFTER_S,
     GAP_BEFORE_S,
     LEAVING_ACCELERATION,
     MERGE_GAP_S,
 )
 from sumo_reactive.driver.pilot.rules.gaps import (
+    FEARED_DECELERATION,
+    FOLLOWER_STANDSTILL_GAP_M,
     Passing,
     Threat,
     gap_for_follower,

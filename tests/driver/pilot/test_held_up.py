@@ -13,15 +13,14 @@ from sumo_reactive.driver.nouns.forecast import Queue, Queued
 from sumo_reactive.driver.nouns.plan import Aside, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
-from sumo_reactive.driver.parameters import (
-    HALTED_ROOM_M,
-    QUEUE_GAIN_S,
-    QUEUE_HEADWAY_S,
+from sumo_reactive.driver.parameters import HALTED_ROOM_M, QUEUE_GAIN_S, QUEUE_HEADWAY_S, TURNER_WAIT_S
+from sumo_reactive.driver.pilot.behaviours.changing_queues import (
     SWING_OUT_M,
-    TURNER_WAIT_S,
     TURNERS_FEARED,
+    expected_wait,
+    leave_queue,
+    released,
 )
-from sumo_reactive.driver.pilot.behaviours.changing_queues import expected_wait, leave_queue, released
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
 from sumo_reactive.driver.pilot.situation import LaneChanging
 

@@ -9,10 +9,10 @@ from helpers.situations import Situation, before
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import EASY_STOP_DECELERATION, FOLLOWER_STANDSTILL_GAP_M, HARD_STOP_DECELERATION
+from sumo_reactive.driver.parameters import EASY_STOP_DECELERATION, HARD_STOP_DECELERATION
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
-from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
+from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M, gap_for_follower
 from sumo_reactive.driver.world.route import Route
 
 TO_THE_EXIT = ("road_in", "road_before_exit", "exit")

@@ -9,8 +9,8 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import AT_LANE_END_M, MISSED_TURN_S, QUEUE_PATIENCE_S
-from sumo_reactive.driver.pilot.behaviours.taking_another_way import is_missed, waiting_since
+from sumo_reactive.driver.parameters import MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.pilot.behaviours.taking_another_way import AT_LANE_END_M, is_missed, waiting_since
 from sumo_reactive.driver.pilot.memory import PilotMemory
 
 EGO = before("blocked_lane", ("eastbound", "eastbound_out"), 60.0, 0.5)

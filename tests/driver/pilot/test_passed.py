@@ -10,8 +10,8 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.forecast import LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside
-from sumo_reactive.driver.parameters import EDGE_MARGIN_M, PASSING_CLEARANCE_M, TWO_WHEELER_CLEARANCE_M
-from sumo_reactive.driver.pilot.passed import find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
+from sumo_reactive.driver.parameters import PASSING_CLEARANCE_M, TWO_WHEELER_CLEARANCE_M
+from sumo_reactive.driver.pilot.passed import EDGE_MARGIN_M, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
 
 EGO = before("blocked_lane", ("eastbound", "eastbound_out"), 300.0, 8.0)
 X = EGO.ahead("x", 30.0, 0.0, halted=True)

@@ -25,27 +25,25 @@ from sumo_reactive.driver.parameters import (
     CAUTIOUS_AHEAD_S,
     COMFORT_DECELERATION,
     DELAY_STEP_S,
-    ENTERING_M,
     HALTED_ROOM_M,
-    HEAD_STANDS_S,
     NO_PROGRESS_S,
     OFF_NOMINAL_SPEED,
     PROGRESS_M,
     QUEUE_GAIN_S,
     QUEUE_HEADWAY_S,
-    SWING_OUT_M,
     TIME_TOLERANCE_S,
     TRUST_AHEAD_S,
     TRUST_S,
     TURNAROUND_PATIENCE_S,
 )
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
-from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue
+from sumo_reactive.driver.pilot.behaviours.changing_queues import HEAD_STANDS_S, SWING_OUT_M, leave_queue
 from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import confirm, may_confirm, notice
+from sumo_reactive.driver.pilot.rules.region import ENTERING_M
 from sumo_reactive.driver.pilot.situation import LaneChanging
 
 SOUTH_NORTH, WEST_EAST, STREET = ("from_south", "to_north"), ("from_west", "to_east"), ("eastbound", "eastbound_out")

@@ -11,7 +11,8 @@ from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION, REGION_MARGIN_M
+from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION
+from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M
 
 SOUTH_NORTH, SOUTH_WEST = ("from_south", "to_north"), ("from_south", "to_west")
 GREEN = {"centre": "GGgrrrGGgrrr"}

@@ -12,9 +12,12 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import BACK_UP_CLEAR_M, HALTED_ROOM_M
+from sumo_reactive.driver.parameters import HALTED_ROOM_M
 from sumo_reactive.driver.pilot.passed import lateral_for, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+
+BACK_UP_CLEAR_M = 2.0
+"""Room that must be left behind the ego after backing up."""
 
 _TOO_NEAR_M = 1.5
 """An ego that stands by this much nearer than HALTED_ROOM_M backs up…"""

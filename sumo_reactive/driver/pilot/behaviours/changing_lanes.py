@@ -24,7 +24,6 @@ from sumo_reactive.driver.parameters import (
     LANE_CHANGE_LOOK_AHEAD_M,
     LANE_CHANGE_LOOK_AHEAD_S,
     LANE_CHANGE_REACTION_S,
-    MIN_LANE_CHANGE_LENGTH_M,
     URGENT_DECELERATION,
     URGENT_M,
     URGENT_REACTION_S,
@@ -33,6 +32,9 @@ from sumo_reactive.driver.parameters import (
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+MIN_LANE_CHANGE_LENGTH_M = 12.0
+"""Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
 
 
 def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:

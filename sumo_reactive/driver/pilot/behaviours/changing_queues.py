@@ -12,22 +12,27 @@ from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     HALTED_ROOM_M,
-    HEAD_STANDS_S,
     LANE_CHANGE_DURATION_S,
-    MIN_LANE_CHANGE_LENGTH_M,
     QUEUE_GAIN_S,
     QUEUE_HEADWAY_S,
-    QUEUED_SPEED,
-    SWING_OUT_M,
     TURNER_WAIT_S,
-    TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import follow_curve, leaves_gap, pending
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, follow_curve, leaves_gap, pending
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import letter_of
+from sumo_reactive.driver.pilot.rules.post_conflict import QUEUED_SPEED
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+TURNERS_FEARED = 2
+"""More of them in one queue are not counted: nobody knows how many go in one gap."""
+
+HEAD_STANDS_S = 2.0
+"""The head of a queue that stands for less while it may go is about to start; for longer, it waits for something else."""
+
+SWING_OUT_M = 6.0
+"""Room behind somebody who stands that a car needs to leave the lane past him; HALTED_ROOM_M is what it keeps if it can."""
 
 _CREEPING_ROOM_M = 0.5
 """Beyond its braking distance: who creeps is not stopped on the spot."""

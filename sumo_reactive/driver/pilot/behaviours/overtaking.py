@@ -9,7 +9,6 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
-    FALL_BACK_BY,
     FOLLOWING_M,
     FOLLOWING_S,
     HALTED_AHEAD_S,
@@ -18,13 +17,18 @@ from sumo_reactive.driver.parameters import (
     SETTLED_SPEED,
     SLOW_SHARE,
     SLOWER_BY,
-    UPDATE_ASIDE_M,
 )
 from sumo_reactive.driver.pilot.manoeuvre import UNDER_WAY, in_the_way_back, proof, prove
 from sumo_reactive.driver.pilot.memory import Overtaking
 from sumo_reactive.driver.pilot.passed import Passed, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Proof, Situation
 from sumo_reactive.driver.vehicle.safe_speed import following_speed
+
+FALL_BACK_BY = 4.0
+"""m/s; so much slower than X the ego drops back beside it."""
+
+UPDATE_ASIDE_M = 4.0
+"""The place of return is planned anew when it moves by more."""
 
 
 def follows_x(situation: Situation) -> bool:

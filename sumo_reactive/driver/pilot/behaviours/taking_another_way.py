@@ -6,9 +6,12 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import AT_LANE_END_M, MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.parameters import MISSED_TURN_S, QUEUE_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+
+AT_LANE_END_M = 5.0
+"""At the end of its lane is who is not farther than a car's length from the last place to change."""
 
 
 def waiting_since(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemory) -> float | None:

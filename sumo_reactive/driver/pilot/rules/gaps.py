@@ -9,10 +9,8 @@ from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
-    FEARED_DECELERATION,
     FOE_ACCELERATION,
     FOLLOWER_DECELERATION,
-    FOLLOWER_STANDSTILL_GAP_M,
     GAP_AFTER_S,
     GAP_BEFORE_S,
     LEAVING_ACCELERATION,
@@ -20,6 +18,12 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind
+
+FEARED_DECELERATION = 4.5
+"""m/s²; a follower keeps clear of somebody ahead who may brake so: what SUMO's default car does in normal driving."""
+
+FOLLOWER_STANDSTILL_GAP_M = 2.5
+"""A follower keeps this gap at standstill (SUMO's minGap)."""
 
 
 def gap_for_follower(speed: float, ahead: float, headway: float, braking: float) -> float:

@@ -5,8 +5,12 @@ from __future__ import annotations
 from enum import Enum
 
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import ON_LINE_M, YELLOW_DECELERATION
+from sumo_reactive.driver.parameters import YELLOW_DECELERATION
 from sumo_reactive.driver.world.junction import Connection
+
+ON_LINE_M = 0.05
+"""A front bumper no farther over a line than this is at it: a car inserted at the very end of its lane, or one that has
+stopped there, has not passed its light. SUMO's lanes and C agree to less."""
 
 
 class Signal(Enum):

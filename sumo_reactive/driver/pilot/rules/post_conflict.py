@@ -15,19 +15,21 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
     FOE_PATIENCE_S,
-    FOLLOWER_STANDSTILL_GAP_M,
     MAX_ACCELERATION_IN_PLAN,
     MISSED_TURN_S,
     PLANNED_DECELERATION,
     QUEUE_PATIENCE_S,
-    QUEUED_SPEED,
 )
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
+from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind
+
+QUEUED_SPEED = 3.0
+"""m/s; who is slower than this before the line is in the queue."""
 
 
 def is_clear_at(way: Crossing, conflicts: tuple[Conflict, ...], limits: VehicleLimits) -> float | None:

@@ -13,26 +13,19 @@ from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
 from sumo_reactive.driver.parameters import (
-    BEFORE_THE_LINE_M,
     COMMITTED_PATIENCE,
-    ENTERING_M,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
     HESITATING_SPEED,
     HESITATION_S,
     LEAST_PATIENCE_S,
     MAX_ACCELERATION_IN_PLAN,
-    OFF_THE_LINE_M,
-    REGION_MARGIN_M,
     ROLLING_S,
     SIGN_STOP_DECELERATION,
-    WAIT_INTO_M,
-    WAIT_SHIFT_M,
-    ZIPPER_LEAD_M,
 )
 from sumo_reactive.driver.pilot.assessment import would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Crossing, View
+from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
 from sumo_reactive.driver.pilot.rules.gaps import (
     Passing,
     Threat,
@@ -47,6 +40,23 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind
+
+BEFORE_THE_LINE_M = 3.0
+"""Where a region begins farther before a stop line than this, nobody is trusted to yield: SUMO's cars look at each other's
+times behind the lines only."""
+
+ZIPPER_LEAD_M = 0.1
+"""Where lanes merge in turns, who is nearer by more than this goes first."""
+
+WAIT_INTO_M = 1.0
+"""A foe before its line is trusted to wait inside the junction only where its front then reaches no farther into the region:
+the ego's way is moved aside by as much. An ego that stands or creeps so little behind its place to wait still waits."""
+
+OFF_THE_LINE_M = 1.5
+"""A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
+
+ENTERING_M = 6.0
+"""Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
 
 _SOON_S = 0.01
 """Later than just enough."""

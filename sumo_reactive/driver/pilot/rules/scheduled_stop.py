@@ -9,9 +9,11 @@ from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import NominalPlan, PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import STOP_REACHED_M
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Ahead, reach_of
+
+STOP_REACHED_M = 2.0
+"""A stop counts as reached when the ego stands this close before it."""
 
 
 def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:

@@ -8,10 +8,11 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import PLANNED_DECELERATION, RED_MARGIN_S, STOP_REACHED_M, YELLOW_S
+from sumo_reactive.driver.parameters import PLANNED_DECELERATION, RED_MARGIN_S, YELLOW_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import Signal, has_passed, letter_of, signal
+from sumo_reactive.driver.pilot.rules.scheduled_stop import STOP_REACHED_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.world.junction import Control
