@@ -24,11 +24,10 @@ from typing import Any
 import numpy as np
 import sumolib
 
-from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.driver.world.junction import Connection, Junction, Turn
 from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.sumo.net_file import RawNet, parse
+from sumo_reactive.sumo.net_file import MIN_PATH_LENGTH_M, RawNet, parse
 from sumo_reactive.sumo.net_reader import read_net
 
 ROOT = Path(__file__).resolve().parent.parent

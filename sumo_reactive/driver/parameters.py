@@ -4,9 +4,6 @@ from sumo_reactive.driver.overrides import apply_overrides
 
 # --- world model ------------------------------------------------------------------------------------------------------
 
-APPROACH_HORIZON_M = 200.0
-"""Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
-
 # --- nominal trajectory C ---------------------------------------------------------------------------------------------
 
 LANE_CHANGE_DURATION_S = 3.0
@@ -18,21 +15,6 @@ COMFORT_LATERAL_ACCELERATION = 3.0
 
 MAX_LATERAL_ACCELERATION = 4.0
 """m/s²; a command that exceeds it is discarded (centrifugal limit, F&L 1991, §3.2)."""
-
-WHEELBASE_FRACTION = 0.6
-"""Wheelbase / length; passenger cars range from 0.57 to 0.64."""
-
-FRONT_OVERHANG_FRACTION = 0.18
-"""From the front axle to the front bumper / length."""
-
-MAX_STEERING_ANGLE = 0.65
-"""rad, φmax: a car of 5 m then turns with a front-axle radius of 5 m."""
-
-TURNING_CIRCLE_M = 12.5
-"""Radius of the circle within which every vehicle must turn (Directive 96/53/EC, Annex I); long ones steer farther…"""
-
-LONG_VEHICLE_STEERING_ANGLE = 0.9
-"""…up to this, rad: the steering lock of buses and trucks."""
 
 MAX_STEERING_RATE = 1.0
 """rad/s, φ̇max."""
@@ -323,47 +305,9 @@ WITHOUT = 0
 """Number of the mechanism that is left out, see `ablation.py`; 0: none. `tools/ablation.py` measures what is then lost."""
 
 # --- hand-over in SUMO ------------------------------------------------------------------------------------------------
-MIN_PATH_LENGTH_M = 0.1
-"""Shortest spine or path; networks hold shapes of two equal points."""
-
-LANES_REFRESH_M = 5.0
-"""The lanes in sight are chosen anew each time the ego has come this far."""
-
-ROUTE_REFRESH_S = 3.0
-"""Another vehicle's route is read anew after this long, for it may have been re-routed."""
-
-PERSON_DECELERATION = 5.0
-"""m/s²; a pedestrian stops within a step."""
-
-STEPPING_ON_M = 4.0
-"""Somebody on a walking area who is this near to the crossing that he heads for is about to step on: 3 s of walking."""
-
-TELEPORT_GUARD_S = 5.0
-"""The ego ends its waiting time this long before SUMO would teleport it."""
-
-OBSTACLE_POLYGONS = "obstacle"
-"""Polygons of this type stand on the road, unless the scenario names another."""
-
-OUTLINE_STEP_M = 0.5
-"""Spacing of the points of O_S on the outline of a parked vehicle or a polygon: a tenth of a car's length."""
-
-STATIC_SIGHT_M = 60.0
-"""Parked vehicles and polygons are points of O_S up to this far in x and y: half a bitmap's side, and a refresh more."""
-
-POLYGON_REACH_M = 150.0
-"""Polygons on the road are seen this far: braking from 25 m/s takes 125 m."""
-
-THIN_POLYGON_M = 0.05
-"""Half the width of a polygon that is but a line or a point."""
 
 CUT_PATIENCE_S = 15.0
 """After so long a wait for a gap to cut into, the ego takes one that those behind must brake for, though not hard."""
-
-CUT_SEEN_S = 2.0
-"""So long before, at the present speed: who comes from behind needs as much to fall back."""
-
-STRADDLE_M = 0.1
-"""A body nearer than this to a lane border is taken to reach over it."""
 
 DETOUR_PATIENCE_S = 90.0
 """An ego that missed a turn waits on for as long as the other way takes longer, but no longer than this, a light's cycle."""
@@ -373,17 +317,5 @@ STUCK_S = 600.0
 
 
 # --- trials in processes of their own --------------------------------------------------------------------------------
-MAX_TRIALS = 100
-"""Trials that one process runs before another takes its place: its start (1 s) is then 10 ms a trial."""
-
-MAX_MEMORY_MB = 4096.0
-"""MB; a process that holds more ends its trial as crashed: ten times what a city network takes."""
-
-RECYCLE_MEMORY_MB = 1536.0
-"""MB; a process that holds more after a trial is replaced before the next."""
-
-SCHEDULER_PATIENCE_S = 10.0
-"""s; a scheduler that has not answered until then is not there."""
-
 
 apply_overrides(globals())

@@ -22,10 +22,18 @@ from typing import Any, BinaryIO, cast
 import psutil
 
 from sumo_reactive.driver.overrides import VARIABLE, overrides
-from sumo_reactive.driver.parameters import MAX_MEMORY_MB, MAX_TRIALS, RECYCLE_MEMORY_MB
 from sumo_reactive.lab.task import Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import new_scratch, receive, remove, send
 from sumo_reactive.sumo.crash import DEADLY
+
+MAX_TRIALS = 100
+"""Trials that one process runs before another takes its place: its start (1 s) is then 10 ms a trial."""
+
+MAX_MEMORY_MB = 4096.0
+"""MB; a process that holds more ends its trial as crashed: ten times what a city network takes."""
+
+RECYCLE_MEMORY_MB = 1536.0
+"""MB; a process that holds more after a trial is replaced before the next."""
 
 __all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
 

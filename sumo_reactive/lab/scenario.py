@@ -12,12 +12,11 @@ from pydantic import Field, field_validator, model_validator
 from sumo_reactive.driver import parameters
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.overrides import VARIABLE, overridden, overrides
-from sumo_reactive.driver.parameters import OBSTACLE_POLYGONS
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ParameterError, ScenarioError
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
-from sumo_reactive.sumo.config import given_options, read_config, seconds_of
+from sumo_reactive.sumo.config import OBSTACLE_POLYGONS, given_options, read_config, seconds_of
 
 
 class Limit(TomlTable):

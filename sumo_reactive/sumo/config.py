@@ -13,6 +13,9 @@ from xml.etree.ElementTree import ParseError, fromstring
 from sumo_reactive.errors import NetworkError, ScenarioError
 from sumo_reactive.files import content_of, is_there, require_file
 
+OBSTACLE_POLYGONS = "obstacle"
+"""Polygons of this type stand on the road, unless the scenario names another."""
+
 
 def _names(text: str) -> frozenset[str]:
     return frozenset(text.split())

@@ -12,7 +12,6 @@ import libsumo
 from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
-from sumo_reactive.driver.parameters import TELEPORT_GUARD_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -30,6 +29,9 @@ from sumo_reactive.sumo.vehicle_type import (
     limits_of,
     pose_of,
 )
+
+TELEPORT_GUARD_S = 5.0
+"""The ego ends its waiting time this long before SUMO would teleport it."""
 
 _REMOVE_ARRIVED = 2
 _GO_NEXT_SPEED = 0.05

@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Points, Polyline
-from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.files import content_of
+
+MIN_PATH_LENGTH_M = 0.1
+"""Shortest spine or path; networks hold shapes of two equal points."""
 
 Attributes = Mapping[str, str]
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
-from sumo_reactive.driver.parameters import MIN_PATH_LENGTH_M
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Control, Junction, LightLink, Turn
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.regions import hold_back, inside_part
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import (
+    MIN_PATH_LENGTH_M,
     Attributes,
     RawNet,
     coordinates,

@@ -10,7 +10,6 @@ from typing import Protocol
 from xml.etree.ElementTree import Element
 
 from sumo_reactive.driver.caching import kept
-from sumo_reactive.driver.parameters import APPROACH_HORIZON_M
 from sumo_reactive.driver.world.junction import Connection, Junction
 from sumo_reactive.driver.world.lane import Lane, nearest_opposite
 from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions
@@ -18,6 +17,9 @@ from sumo_reactive.driver.world.road_graph import Approach, RoadGraph, approache
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id, lane_from, parse
 from sumo_reactive.sumo.net_junctions import junction_from, parts_of
+
+APPROACH_HORIZON_M = 200.0
+"""Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
 
 _ALL = 1 << 31
 """Whatever has been built is kept for the next route."""

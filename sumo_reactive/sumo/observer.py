@@ -7,12 +7,11 @@ import math
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import Traffic
-from sumo_reactive.driver.parameters import LANES_REFRESH_M
 from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
-from sumo_reactive.sumo.static_obstacles import StaticView
+from sumo_reactive.sumo.static_obstacles import LANES_REFRESH_M, StaticView
 
 
 class EgoObserver:

@@ -9,13 +9,22 @@ from typing import NamedTuple
 
 import libsumo
 
-from sumo_reactive.driver import parameters
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.static_obstacles import StaticObstacles
 from sumo_reactive.sumo.vehicle_type import heading_of
+
+ROUTE_REFRESH_S = 3.0
+"""Another vehicle's route is read anew after this long, for it may have been re-routed."""
+
+PERSON_DECELERATION = 5.0
+"""m/s²; a pedestrian stops within a step."""
+
+STEPPING_ON_M = 4.0
+"""Somebody on a walking area who is this near to the crossing that he heads for is about to step on: 3 s of walking."""
 
 
 class Signals(NamedTuple):
@@ -103,7 +112,7 @@ class Sensor:
     What one ego has looked at in a step is not read again for the next one.
     """
 
-    def __init__(self, polygon_type: str = parameters.OBSTACLE_POLYGONS) -> None:
+    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
         self.static = StaticObstacles(polygon_type)
         self._known: dict[str, _Known] = {}
         self._walkers: dict[str, Body] = {}
@@ -185,7 +194,7 @@ class Sensor:
         away, position, heading = min(
             (math.hypot(x - px, y - py), at, along) for px, py, at, along in crossing.ends
         )
-        if away < parameters.STEPPING_ON_M:
+        if away < STEPPING_ON_M:
             yield self._walker(name, crossing.lane_id, heading, position - away if position == 0.0 else position + away)
 
     def _walker(self, name: str, lane_id: str, heading: float, position: float) -> RoadUser:
@@ -193,7 +202,7 @@ class Sensor:
         body = self._walkers.get(name)
         if body is None:
             length, width = person.getLength(name), person.getWidth(name)
-            body = Body(length, width, parameters.PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
+            body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
             self._walkers[name] = body
         x, y = person.getPosition(name)
         return RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
@@ -202,7 +211,7 @@ class Sensor:
         """Read what changes seldom: the body once, the edges still to drive on a new edge and every few seconds."""
         index = max(libsumo.vehicle.getRouteIndex(name) + (1 if internal else 0), 0)
         route = tuple(libsumo.vehicle.getRoute(name)[index : index + ROUTE_AHEAD])
-        until = self._now + parameters.ROUTE_REFRESH_S
+        until = self._now + ROUTE_REFRESH_S
         found = self._known[name] = _Known(known.body if known else _body(name), until, edge_id, route)
         return found
 

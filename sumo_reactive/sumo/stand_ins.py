@@ -10,12 +10,18 @@ import libsumo
 
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
+from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.vehicle_type import KEEP_ROUTE_EXACT, angle_of, front_of
+
+CUT_SEEN_S = 2.0
+"""So long before, at the present speed: who comes from behind needs as much to fall back."""
+
+STRADDLE_M = 0.1
+"""A body nearer than this to a lane border is taken to reach over it."""
 
 PREFIX = "reactive.ghost."
 """Ids of stand-ins begin with this; no figure counts them."""

@@ -11,12 +11,27 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from sumo_reactive.driver import parameters
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Body, RoadUser
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 from sumo_reactive.sumo.vehicle_type import heading_of
+
+LANES_REFRESH_M = 5.0
+"""The lanes in sight are chosen anew each time the ego has come this far."""
+
+OUTLINE_STEP_M = 0.5
+"""Spacing of the points of O_S on the outline of a parked vehicle or a polygon: a tenth of a car's length."""
+
+STATIC_SIGHT_M = 60.0
+"""Parked vehicles and polygons are points of O_S up to this far in x and y: half a bitmap's side, and a refresh more."""
+
+POLYGON_REACH_M = 150.0
+"""Polygons on the road are seen this far: braking from 25 m/s takes 125 m."""
+
+THIN_POLYGON_M = 0.05
+"""Half the width of a polygon that is but a line or a point."""
 
 _Points = NDArray[np.float64]
 
@@ -36,7 +51,7 @@ class Static(NamedTuple):
 class StaticObstacles:
     """Reads the polygons once, and keeps account of parked vehicles from step to step."""
 
-    def __init__(self, polygon_type: str = parameters.OBSTACLE_POLYGONS) -> None:
+    def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
         polygon, vehicle = libsumo.polygon, libsumo.vehicle
         names = [name for name in polygon.getIDList() if polygon.getType(name) == polygon_type]
         hulls = {name: hull_of(_finite(name, polygon.getShape(name))) for name in names}
@@ -83,7 +98,7 @@ class StaticView:
         """Return what stands near (x, y), m."""
         changes = self._obstacles.changes
         was_x, was_y, seen = self._seen
-        if changes != seen or max(abs(x - was_x), abs(y - was_y)) > parameters.LANES_REFRESH_M:
+        if changes != seen or max(abs(x - was_x), abs(y - was_y)) > LANES_REFRESH_M:
             self._seen = x, y, changes
             self._near = Static(tuple(u for u in self._obstacles.users if _is_near(u, x, y)), self._points(x, y))
         return self._near
@@ -94,7 +109,7 @@ class StaticView:
         if not outlines:
             return NO_POINTS
         points = np.concatenate(outlines)
-        return np.asarray(points[np.abs(points - (x, y)).max(axis=1) < parameters.STATIC_SIGHT_M])
+        return np.asarray(points[np.abs(points - (x, y)).max(axis=1) < STATIC_SIGHT_M])
 
 
 def _finite(name: str, shape: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
@@ -110,12 +125,12 @@ def _finite(name: str, shape: Sequence[tuple[float, float]]) -> Sequence[tuple[f
 def hull_of(shape: Iterable[tuple[float, float]]) -> shapely.Polygon:
     """Return the convex hull of a polygon's points; a line or a single point gets a width of 2 · THIN_POLYGON_M."""
     hull = shapely.MultiPoint([point[:2] for point in shape]).convex_hull
-    return hull if hull.area > 0.0 else hull.buffer(parameters.THIN_POLYGON_M, cap_style="square", join_style="mitre")
+    return hull if hull.area > 0.0 else hull.buffer(THIN_POLYGON_M, cap_style="square", join_style="mitre")
 
 
 def outline(shape: shapely.Polygon) -> _Points:
     """Return points (n, 2), m, on the outline of a shape, at most OUTLINE_STEP_M apart."""
-    ring: _Points = shapely.get_coordinates(shapely.segmentize(shape.exterior, parameters.OUTLINE_STEP_M))
+    ring: _Points = shapely.get_coordinates(shapely.segmentize(shape.exterior, OUTLINE_STEP_M))
     return ring[:-1]
 
 
@@ -142,5 +157,5 @@ def _road_heading(x: float, y: float) -> float:
 
 
 def _is_near(user: RoadUser, x: float, y: float) -> bool:
-    reach = parameters.POLYGON_REACH_M + user.body.length + user.body.width
+    reach = POLYGON_REACH_M + user.body.length + user.body.width
     return abs(user.x - x) < reach and abs(user.y - y) < reach

@@ -15,6 +15,21 @@ from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ScenarioError
 
+WHEELBASE_FRACTION = 0.6
+"""Wheelbase / length; passenger cars range from 0.57 to 0.64."""
+
+FRONT_OVERHANG_FRACTION = 0.18
+"""From the front axle to the front bumper / length."""
+
+MAX_STEERING_ANGLE = 0.65
+"""rad, φmax: a car of 5 m then turns with a front-axle radius of 5 m."""
+
+TURNING_CIRCLE_M = 12.5
+"""Radius of the circle within which every vehicle must turn (Directive 96/53/EC, Annex I); long ones steer farther…"""
+
+LONG_VEHICLE_STEERING_ANGLE = 0.9
+"""…up to this, rad: the steering lock of buses and trucks."""
+
 KEEP_ROUTE_EXACT = 3
 """moveToXY: keep the route (bit 0) and the exact position (bit 1)."""
 
@@ -94,8 +109,8 @@ def limits_of(vehicle_id: str) -> VehicleLimits:
     values = {
         "length": length,
         "width": vehicle.getWidth(vehicle_id),
-        "wheelbase": parameters.WHEELBASE_FRACTION * length,
-        "front_overhang": parameters.FRONT_OVERHANG_FRACTION * length,
+        "wheelbase": WHEELBASE_FRACTION * length,
+        "front_overhang": FRONT_OVERHANG_FRACTION * length,
         "max_speed": vehicle.getMaxSpeed(vehicle_id),
         "max_acceleration": vehicle.getAccel(vehicle_id),
         "comfort_deceleration": min(parameters.COMFORT_DECELERATION, service),
@@ -122,8 +137,8 @@ def steering_angle_of(wheelbase: float, front_overhang: float, width: float) -> 
     (L + overhang)² + (L / tanφ + width / 2)² = radius².
     """
     ahead = wheelbase + front_overhang
-    rear = math.sqrt(max(parameters.TURNING_CIRCLE_M**2 - ahead * ahead, 0.0)) - 0.5 * width
-    return min(max(parameters.MAX_STEERING_ANGLE, math.atan2(wheelbase, rear)), parameters.LONG_VEHICLE_STEERING_ANGLE)
+    rear = math.sqrt(max(TURNING_CIRCLE_M**2 - ahead * ahead, 0.0)) - 0.5 * width
+    return min(max(MAX_STEERING_ANGLE, math.atan2(wheelbase, rear)), LONG_VEHICLE_STEERING_ANGLE)
 
 
 def _overrides(vehicle_id: str, names: tuple[str, ...]) -> dict[str, float]:

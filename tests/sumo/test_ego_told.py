@@ -10,10 +10,9 @@ from scripted_ego import scripted, state_at
 
 from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import TELEPORT_GUARD_S
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.ego import Ego
+from sumo_reactive.sumo.ego import TELEPORT_GUARD_S, Ego
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.vehicle_type import FREE_EXACT, KEEP_ROUTE_EXACT, front_of
 

@@ -9,10 +9,10 @@ from helpers.cars import car_at
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
-from sumo_reactive.driver.parameters import LANES_REFRESH_M
 from sumo_reactive.sumo import observer as room
 from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane
+from sumo_reactive.sumo.static_obstacles import LANES_REFRESH_M
 
 BENT = Polyline(np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)]))
 """A crossing's lane: first to the east, then to the north."""

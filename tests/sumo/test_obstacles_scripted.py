@@ -9,9 +9,18 @@ import shapely
 from scripted import Domain, script
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import LANES_REFRESH_M, POLYGON_REACH_M, STATIC_SIGHT_M, THIN_POLYGON_M
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.static_obstacles import LARGEST_OBSTACLE_M, StaticObstacles, StaticView, hull_of, standing
+from sumo_reactive.sumo.static_obstacles import (
+    LANES_REFRESH_M,
+    LARGEST_OBSTACLE_M,
+    POLYGON_REACH_M,
+    STATIC_SIGHT_M,
+    THIN_POLYGON_M,
+    StaticObstacles,
+    StaticView,
+    hull_of,
+    standing,
+)
 
 LONG, WIDE = ((0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)), ((0.0, 0.0), (2.0, 0.0), (2.0, 4.0), (0.0, 4.0))
 

@@ -12,11 +12,10 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, Turnaround
 from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import CUT_SEEN_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.sumo import stand_ins
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.stand_ins import OccupiedLane
+from sumo_reactive.sumo.stand_ins import CUT_SEEN_S, OccupiedLane
 
 CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
 LANE = '<lane id="{0}" index="{1}" speed="9" length="{2}" shape="{3},{4} {5},{4}"/>'

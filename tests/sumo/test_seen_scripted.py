@@ -10,9 +10,16 @@ from scripted import Domain, script
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
-from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M
 from sumo_reactive.sumo.observed_vehicle import SAME_LEVEL_M, TOUCHING_M, Bystanders, ObservedVehicle
-from sumo_reactive.sumo.sensor import ROUTE_AHEAD, SeenCrossing, SeenLane, Sensor
+from sumo_reactive.sumo.sensor import (
+    PERSON_DECELERATION,
+    ROUTE_AHEAD,
+    ROUTE_REFRESH_S,
+    STEPPING_ON_M,
+    SeenCrossing,
+    SeenLane,
+    Sensor,
+)
 
 NORTH, EAST = 0.5 * math.pi, 0.0
 LANE = SeenLane("a_0", "a", 1.5, False)

@@ -9,12 +9,11 @@ from helpers.cars import CAR
 from net_recipes import CROSS_NODES, converted, cross_edges
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.driver.parameters import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.observer import EgoObserver
-from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
+from sumo_reactive.sumo.sensor import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M, SeenCrossing, SeenLane, Sensor
 from sumo_reactive.sumo.vehicle_type import heading_of, pose_of
 
 SIDEWALKS = ("--no-turnarounds", "--sidewalks.guess", "--sidewalks.guess.max-speed", "15", "--crossings.guess")

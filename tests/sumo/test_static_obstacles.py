@@ -9,9 +9,17 @@ import shapely
 from net_recipes import converted
 from simulations import running, simulated
 
-from sumo_reactive.driver.parameters import LANES_REFRESH_M, OUTLINE_STEP_M, STATIC_SIGHT_M
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.static_obstacles import LARGEST_OBSTACLE_M, StaticObstacles, StaticView, hull_of, outline
+from sumo_reactive.sumo.static_obstacles import (
+    LANES_REFRESH_M,
+    LARGEST_OBSTACLE_M,
+    OUTLINE_STEP_M,
+    STATIC_SIGHT_M,
+    StaticObstacles,
+    StaticView,
+    hull_of,
+    outline,
+)
 
 NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="500" y="0"/></nodes>'
 EDGES = '<edges><edge id="ab" from="a" to="b" numLanes="1" speed="13.9"/></edges>'

@@ -9,17 +9,20 @@ from simulations import running, simulated, vehicle
 from sumo_reactive.driver.parameters import (
     COMFORT_DECELERATION,
     COMFORT_LATERAL_ACCELERATION,
-    FRONT_OVERHANG_FRACTION,
-    LONG_VEHICLE_STEERING_ANGLE,
     MAX_LATERAL_ACCELERATION,
-    MAX_STEERING_ANGLE,
     MAX_STEERING_RATE,
     STANDSTILL_GAP_M,
-    TURNING_CIRCLE_M,
-    WHEELBASE_FRACTION,
 )
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.sumo.vehicle_type import limits_of, steering_angle_of
+from sumo_reactive.sumo.vehicle_type import (
+    FRONT_OVERHANG_FRACTION,
+    LONG_VEHICLE_STEERING_ANGLE,
+    MAX_STEERING_ANGLE,
+    TURNING_CIRCLE_M,
+    WHEELBASE_FRACTION,
+    limits_of,
+    steering_angle_of,
+)
 
 KIND = 'length="4.4" width="1.7" accel="2.1" decel="4.1" emergencyDecel="8.5" maxSpeed="33" tau="1.3" minGap="1.7"'
 

@@ -13,10 +13,12 @@ from typing import Any
 import dask
 from distributed import Client, Future, KilledWorker, as_completed
 
-from sumo_reactive.driver.parameters import SCHEDULER_PATIENCE_S
 from sumo_reactive.errors import ClusterError, ReactiveError
 from sumo_reactive.lab.batch.engine import Order, Report, run_order_apart, stop_batch
 from sumo_reactive.lab.task import Ending, Outcome
+
+SCHEDULER_PATIENCE_S = 10.0
+"""s; a scheduler that has not answered until then is not there."""
 
 _ALLOWED = "distributed.scheduler.allowed-failures"
 _LOST = "the scheduler was lost; run the batch again, finished trials are kept"
