@@ -6,9 +6,6 @@ from sumo_reactive.driver.overrides import apply_overrides
 
 # --- nominal trajectory C ---------------------------------------------------------------------------------------------
 
-LANE_CHANGE_DURATION_S = 3.0
-"""Time of a lane change at road speed."""
-
 # --- vehicle ----------------------------------------------------------------------------------------------------------
 COMFORT_LATERAL_ACCELERATION = 3.0
 """m/s²; cornering speed of the plan is √(this / curvature)."""
@@ -27,8 +24,6 @@ STANDSTILL_GAP_M = 2.0
 
 
 # --- perception -------------------------------------------------------------------------------------------------------
-ATTENTION_TIME_S = 8.0
-"""The ego looks this long ahead at its present speed."""
 
 CORRIDOR_MARGIN_M = 0.2
 """Added to each side of the ego when it asks what stands in its way, unless it sweeps more in a bend."""
@@ -86,12 +81,6 @@ ROLLING_S = 12.0
 
 MERGE_GAP_S = 0.8
 """Time headway that a foe keeps behind the ego after it merged."""
-
-HESITATING_SPEED = 3.0
-"""m/s; an ego that moves no faster, and has not come on, has been waiting…"""
-
-HESITATION_S = 1.5
-"""…since this long after it last came on: the time of a start."""
 
 COMMITTED_PATIENCE = 0.4
 """Share of the margins that still must remain once the ego is inside the junction."""
@@ -194,9 +183,6 @@ FOLLOWING_M = 12.0
 FOLLOWING_S = 2.0
 """…and this time headway;"""
 
-HALTED_AHEAD_S = 4.0
-"""somebody who has halted counts from this far on, so that the ego need not stop behind him."""
-
 OFF_CURVE_EPSILON_M = 0.3
 """ε (F&L 1991, §2): the ego is back on C when it is nearer than this."""
 
@@ -208,9 +194,6 @@ TWO_WHEELER_CLEARANCE_M = 1.2
 
 OVERTAKING_END_M = 30.0
 """No overtaking nearer to an intersection than this; the last metres are for coming back before…"""
-
-HALTED_END_M = 3.0
-"""…and past somebody who has halted, than this."""
 
 RETURN_HEADWAY_S = 0.8
 """Time headway left to who has been passed…"""
@@ -254,9 +237,6 @@ VALLEY_REPULSION = 0.5
 
 SHADOW_SCALE = 1.0
 """k₀ of U₂, s (F&L 1991, §3.3.2)."""
-
-SHADOW_HORIZON_M = 40.0
-"""Obstacles farther away cast no potential."""
 
 CLEARANCE_M = 1.2
 """Room that the ego likes to have beside whom it passes; cars in the middles of lanes of 2.8 m have it."""

@@ -21,12 +21,14 @@ from sumo_reactive.driver.parameters import (
     LOOK_AHEAD_GROWTH,
     LOOK_AHEAD_S,
     PAPER_CONTROL_PERIOD_S,
-    SHADOW_HORIZON_M,
     SHADOW_SCALE,
     VALLEY_ATTRACTION,
     VALLEY_REPULSION,
 )
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
+
+SHADOW_HORIZON_M = 40.0
+"""Obstacles farther away cast no potential."""
 
 MIN_LOOK_AHEAD_M = 0.6
 """F is looked at no nearer than this ahead, so that a standing car knows where to steer."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import LaneSegment, ParallelLane
-from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S
+from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane, separation
 from sumo_reactive.driver.world.road_graph import RoadGraph

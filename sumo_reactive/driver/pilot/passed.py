@@ -15,7 +15,6 @@ from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M
 from sumo_reactive.driver.parameters import (
-    HALTED_END_M,
     OVERTAKING_END_M,
     PASSING_CLEARANCE_M,
     RETURN_GAP_M,
@@ -23,6 +22,9 @@ from sumo_reactive.driver.parameters import (
     TWO_WHEELER_CLEARANCE_M,
 )
 from sumo_reactive.driver.pilot.situation import Situation
+
+HALTED_END_M = 3.0
+"""Somebody who has halted is passed no nearer to an intersection than this."""
 
 EDGE_MARGIN_M = 0.1
 """Room kept to the border of the own lane when somebody is passed within it."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
-from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+
+LANE_CHANGE_DURATION_S = 3.0
+"""Time of a lane change at road speed."""
 
 FAST_CHANGE_SPEED = 15.0
 """m/s; above it a lane change takes longer, for a road that bends leaves less of the lateral acceleration and jerk…"""

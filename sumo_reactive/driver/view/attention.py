@@ -10,11 +10,13 @@ from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ATTENTION_TIME_S
 from sumo_reactive.driver.world.abreast import SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+ATTENTION_TIME_S = 8.0
+"""The ego looks this long ahead at its present speed."""
 
 ATTENTION_MIN_AHEAD_M = 60.0
 """The ego looks at least this far ahead, however slow it is."""

@@ -13,10 +13,10 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ATTENTION_TIME_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
     ATTENTION_MIN_AHEAD_M,
+    ATTENTION_TIME_S,
     foes_of,
     in_sight,
     lane_axis,

@@ -13,10 +13,10 @@ from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.traffic import Body
-from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION, FOE_PATIENCE_S, HESITATION_S
+from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION, FOE_PATIENCE_S
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
-from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, ZIPPER_LEAD_M
+from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, HESITATION_S, ZIPPER_LEAD_M
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind, Interval
 

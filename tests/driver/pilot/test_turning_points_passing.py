@@ -11,7 +11,8 @@ from helpers.turning_points import turns_at
 from sumo_reactive.driver.controller import Controller
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import FOLLOWING_M, HALTED_AHEAD_S, OVERTAKING_SIGHT_M
+from sumo_reactive.driver.parameters import FOLLOWING_M, OVERTAKING_SIGHT_M
+from sumo_reactive.driver.pilot.behaviours.overtaking import HALTED_AHEAD_S
 
 COUNTRY, ONCOMING = ("eastbound", "eastbound_out"), ("westbound", "westbound_out")
 ROAD = ("road_before_exit", "road_after_exit")

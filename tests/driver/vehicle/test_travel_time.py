@@ -6,8 +6,8 @@ from helpers.cars import CAR
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sumo_reactive.driver.parameters import LANE_CHANGE_DURATION_S
 from sumo_reactive.driver.vehicle.travel_time import (
+    LANE_CHANGE_DURATION_S,
     MAX_START_BLEND_M,
     MIN_START_BLEND_M,
     QUINTIC_STEP_CURVATURE,

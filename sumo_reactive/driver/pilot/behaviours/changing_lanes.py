@@ -19,7 +19,6 @@ from sumo_reactive.driver.parameters import (
     FOLLOWER_DECELERATION,
     FOLLOWER_HEADWAY_S,
     HARD_STOP_DECELERATION,
-    LANE_CHANGE_DURATION_S,
     LANE_CHANGE_GAP_M,
     LANE_CHANGE_LOOK_AHEAD_M,
     LANE_CHANGE_LOOK_AHEAD_S,
@@ -32,6 +31,7 @@ from sumo_reactive.driver.parameters import (
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
 
 MIN_LANE_CHANGE_LENGTH_M = 12.0
 """Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""

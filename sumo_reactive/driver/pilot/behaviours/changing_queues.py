@@ -10,13 +10,7 @@ from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
 from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
-from sumo_reactive.driver.parameters import (
-    HALTED_ROOM_M,
-    LANE_CHANGE_DURATION_S,
-    QUEUE_GAIN_S,
-    QUEUE_HEADWAY_S,
-    TURNER_WAIT_S,
-)
+from sumo_reactive.driver.parameters import HALTED_ROOM_M, QUEUE_GAIN_S, QUEUE_HEADWAY_S, TURNER_WAIT_S
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, follow_curve, leaves_gap, pending
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
@@ -24,6 +18,7 @@ from sumo_reactive.driver.pilot.rules.lights import letter_of
 from sumo_reactive.driver.pilot.rules.post_conflict import QUEUED_SPEED
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
 
 TURNERS_FEARED = 2
 """More of them in one queue are not counted: nobody knows how many go in one gap."""

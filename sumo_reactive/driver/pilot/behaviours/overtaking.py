@@ -11,7 +11,6 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import (
     FOLLOWING_M,
     FOLLOWING_S,
-    HALTED_AHEAD_S,
     OFF_CURVE_EPSILON_M,
     OVERTAKING_SIGHT_M,
     SETTLED_SPEED,
@@ -23,6 +22,9 @@ from sumo_reactive.driver.pilot.memory import Overtaking
 from sumo_reactive.driver.pilot.passed import Passed, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Proof, Situation
 from sumo_reactive.driver.vehicle.safe_speed import following_speed
+
+HALTED_AHEAD_S = 4.0
+"""Somebody who has halted counts from this far on, so that the ego need not stop behind him."""
 
 FALL_BACK_BY = 4.0
 """m/s; so much slower than X the ego drops back beside it."""

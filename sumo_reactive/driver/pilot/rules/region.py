@@ -16,8 +16,6 @@ from sumo_reactive.driver.parameters import (
     COMMITTED_PATIENCE,
     FOE_CAN_STOP_DECELERATION,
     FOE_PATIENCE_S,
-    HESITATING_SPEED,
-    HESITATION_S,
     LEAST_PATIENCE_S,
     MAX_ACCELERATION_IN_PLAN,
     ROLLING_S,
@@ -40,6 +38,12 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind
+
+HESITATING_SPEED = 3.0
+"""m/s; an ego that moves no faster, and has not come on, has been waiting…"""
+
+HESITATION_S = 1.5
+"""…since this long after it last came on: the time of a start."""
 
 BEFORE_THE_LINE_M = 3.0
 """Where a region begins farther before a stop line than this, nobody is trusted to yield: SUMO's cars look at each other's
