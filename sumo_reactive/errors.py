@@ -20,7 +20,7 @@ class ScenarioError(InputError):
 
 
 class ParameterError(InputError):
-    """A value for a constant of `parameters.py` that cannot be: unknown name, or not a number."""
+    """A value for a parameter of the driver that cannot be: unknown name, not a number, or too small."""
 
 
 class StoreError(InputError):

@@ -5,8 +5,8 @@
     python tools/ablation.py --trips CORPUS TRIPS.csv [--seed N …] …
 
 Drives the scenarios of this repository and a few kinds of situations, or a list of trips as `digests.py` reads it, with the
-whole driver and then without each mechanism; `--only` takes runs whose name holds TEXT. What is left out is a number
-(`WITHOUT`) or another value of `parameters.py`: no code is exchanged. A run ends at the latest after LONGEST times the time
+whole driver and then without each mechanism; `--only` takes runs whose name holds TEXT. What is left out is a value of the
+driver's `Parameters`: no code is exchanged. A run ends at the latest after LONGEST times the time
 that the whole driver took, and LONGER_S. A mechanism carries weight when a loss exceeds its threshold (`MEASURES`). Prints
 the table and last "N of M mechanisms carry weight"; `--write` puts it into a file, what a row has come to goes to stderr at
 once. Exit codes: 0, 1 if the whole driver fails in a run, 2 for wrong usage.
@@ -61,7 +61,7 @@ Runs = Mapping[str, Figures]
 
 
 class Ablation(NamedTuple):
-    """A mechanism of the paper: `name` for the command line, its title, the values of `parameters.py` that take it out
+    """A mechanism of the paper: `name` for the command line, its title, the parameters that take it out
     (None: there is nothing to take out), and what is to be known about it. `saves_runs`: it is there to ask the highway code
     less often, so that asking it more often is a loss."""
 
@@ -73,18 +73,23 @@ class Ablation(NamedTuple):
 
 
 def _out(mechanism: Mechanism, **parameters: float) -> dict[str, float]:
-    return {"WITHOUT": int(mechanism), **parameters}
+    return {"without": int(mechanism), **parameters}
 
 
 ABLATIONS = (
-    Ablation("argmin", "argmin of U (§3.2)", _out(Mechanism.MINIMUM), "U ≡ 0: the first command that passes the tests."),
-    Ablation("u1", "U₁ (§3.3.1)", _out(Mechanism.VALLEY)),
-    Ablation("u2", "U₂ (§3.3.2)", _out(Mechanism.SHADOW), "The ego then stays on C beside whomever it passes."),
-    Ablation("u3", "U₃ (§3.3.3)", _out(Mechanism.VELOCITY)),
+    Ablation(
+        "argmin",
+        "argmin of U (§3.2)",
+        {"valley_share": 0.0, "shadow_share": 0.0, "velocity_share": 0.0},
+        "U ≡ 0: the first command that passes the tests.",
+    ),
+    Ablation("u1", "U₁ (§3.3.1)", {"valley_share": 0.0}),
+    Ablation("u2", "U₂ (§3.3.2)", {"shadow_share": 0.0}, "The ego then stays on C beside whomever it passes."),
+    Ablation("u3", "U₃ (§3.3.3)", {"velocity_share": 0.0}),
     Ablation(
         "beta",
         "β, static obstacles (§3.3.1)",
-        {"VALLEY_REPULSION": 0.0},
+        {"valley_repulsion": 0.0},
         "On C U₁ is least whatever β is: it counts while the ego leans towards a border or somebody parked.",
     ),
     Ablation("rear", "rear control point R (§3.3.1)", None, "R is towed: off C_R by no more than F was off C."),
@@ -96,7 +101,7 @@ ABLATIONS = (
         "Constraints once missed stay missed and activate the pilot at every step; it drives the same.",
     ),
     Ablation("failure", "assessment: FAILURE (§2)", _out(Mechanism.FAILURE), "Nothing then asks who gives way."),
-    Ablation("late", "assessment: late (§2)", {"EXCESSIVE_DELAY_S": 1e9}),
+    Ablation("late", "assessment: late (§2)", {"excessive_delay_s": 1e9}),
     Ablation("behaviours", "five behaviours (§2)", _out(Mechanism.BEHAVIOURS), "Normal driving asks no rule."),
     Ablation("tuning", "instructions tune w and v_d (§2)", _out(Mechanism.TUNING)),
     Ablation("room_behind", "post-conflict region (§2.1)", _out(Mechanism.ROOM_BEHIND)),
@@ -105,7 +110,7 @@ ABLATIONS = (
     Ablation("feedback", "feedback: no command (§3.1)", _out(Mechanism.FEEDBACK)),
     Ablation("escape", "local minima (§3.2)", _out(Mechanism.ESCAPE)),
     Ablation(
-        "exact_tests", "collision test, room to stop (§3.3.1)", _out(Mechanism.ROOM_TO_STOP, COLLISION_HORIZON_S=0.0)
+        "exact_tests", "collision test, room to stop (§3.3.1)", _out(Mechanism.ROOM_TO_STOP, collision_horizon_s=0.0)
     ),
 )
 WHOLE = Ablation("whole", "the whole driver", {})
@@ -282,14 +287,14 @@ def _kind(k: Any, folder: Path, name: str, net: Any, *vehicles: str, extra: str 
 
 
 def driven(ablation: Ablation, runs: Mapping[str, Scenario]) -> dict[str, Figures]:
-    """Drive each run in a process that has these parameters; return its figures by its name."""
+    """Drive each run with these parameters, in a process of its own; return its figures by its name."""
     here = str(Path(__file__).resolve().parent)
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH", ""))))
     found: dict[str, Figures] = {}
     with Runner() as runner:
         for name, scenario in runs.items():
-            values = {**scenario.parameters, **(ablation.parameters or {})}
-            ending, value, _ = runner.call("ablation:figures_of_run", scenario, TIMEOUT_S, values)
+            varied = replace(scenario, parameters=scenario.parameters.with_values(ablation.parameters or {}))
+            ending, value, _ = runner.call("ablation:figures_of_run", varied, TIMEOUT_S)
             if ending is not Ending.DONE:
                 print(f"{ablation.name}: {name}: {value}", file=sys.stderr, flush=True)
             found[name] = value if ending is Ending.DONE else NOTHING
@@ -299,7 +304,7 @@ def driven(ablation: Ablation, runs: Mapping[str, Scenario]) -> dict[str, Figure
 def figures_of_run(scenario: Scenario) -> dict[str, float]:
     """Drive in this process."""
     scenes: list[Scene] = []
-    result = run_trial(replace(scenario, parameters={}), observer=scenes.append)
+    result = run_trial(scenario, observer=scenes.append)
     steps = [scene.step for scene in scenes]
     stands = [step.speed < STANDING for step in steps]
     figures = result.figures

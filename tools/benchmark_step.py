@@ -169,14 +169,15 @@ def _row(wall: np.ndarray, cpu: np.ndarray) -> str:
 def time_bitmap() -> None:
     """Print the time of one bitmap of U₁."""
     from sumo_reactive.driver.field.valley_map import CELLS, MAP_SIDE_M, valley_bitmap
+    from sumo_reactive.driver.parameters import USUAL
 
     cell = MAP_SIDE_M / CELLS
     arc = np.arange(0.0, MAP_SIDE_M, 0.5 * cell)
-    x, y = arc, 0.5 * MAP_SIDE_M + 8.0 * np.sin(0.05 * arc)
-    static = np.column_stack((x[::20], y[::20] + 6.0))
+    line = np.column_stack((arc, 0.5 * MAP_SIDE_M + 8.0 * np.sin(0.05 * arc)))
+    static = line[::20] + np.array((0.0, 6.0))
     print(f"\nbitmap of U₁, {CELLS} × {CELLS}, processor's time (ms)")
     for name, points in (("without obstacles", np.empty((0, 2))), ("with static obstacles", static)):
-        _, cpu = _timed(lambda points=points: valley_bitmap(x, y, points, 0.0, 0.0, cell), 50)  # type: ignore[misc]
+        _, cpu = _timed(lambda points=points: valley_bitmap(line, points, 0.0, 0.0, cell, USUAL), 50)  # type: ignore[misc]
         print(f"  {name:24}mean {cpu.mean() / 1e3:.2f}   p50 {np.median(cpu) / 1e3:.2f}   max {cpu.max() / 1e3:.2f}")
 
 

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.controller import Controller, Profile
 from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid
 from sumo_reactive.driver.nouns.record import Scene
-from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, PAPER_CONTROL_PERIOD_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.lab.metric_names import METRICS
@@ -225,9 +225,9 @@ def header() -> str:
 
 def spaces() -> dict[str, tuple[int, float]]:
     """Return the size of the command space and the longest δt (s) of each profile."""
-    fine = lattice(_CAR, 10.0, 0.0, CONTROL_PERIOD_S)
-    paper = paper_grid(_CAR, 10.0, PAPER_CONTROL_PERIOD_S)
-    return {"default": (_size(fine), CONTROL_PERIOD_S), "paper": (_size(paper), PAPER_CONTROL_PERIOD_S)}
+    fine = lattice(_CAR, 10.0, 0.0, USUAL.control_period_s)
+    paper = paper_grid(_CAR, 10.0, USUAL.paper_control_period_s)
+    return {"default": (_size(fine), USUAL.control_period_s), "paper": (_size(paper), USUAL.paper_control_period_s)}
 
 
 def _size(grid: CommandGrid) -> int:

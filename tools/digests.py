@@ -145,7 +145,7 @@ def driven(runs: Mapping[str, Scenario], jobs: int, timeout: float) -> Iterator[
     def one(scenario: Scenario) -> Digests:
         runner = idle.get()
         try:
-            ending, value, _ = runner.call("digests:digests_of_run", scenario, timeout, scenario.parameters)
+            ending, value, _ = runner.call("digests:digests_of_run", scenario, timeout)
         finally:
             idle.put(runner)
         return value if ending is Ending.DONE else _nothing(value)

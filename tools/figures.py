@@ -50,7 +50,7 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import PAPER_CONTROL_PERIOD_S, SHADOW_SCALE, VALLEY_ATTRACTION, VALLEY_REPULSION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.instructions import TUNINGS
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
@@ -208,7 +208,8 @@ def model(out: Path) -> Path:
     axes.legend(loc="lower right", frameon=False)
     axes.set_title(
         rf"$L$ = {CAR.wheelbase:g} m,  $v$ = {MODEL_STATE.speed:g} m/s,  $\theta$ = {_degrees(MODEL_STATE.pose.heading)},  "
-        rf"$\varphi$ = {_degrees(MODEL_STATE.steering_angle)},  $\delta t$ = {PAPER_CONTROL_PERIOD_S:g} s{MODEL_FORMULAS}"
+        rf"$\varphi$ = {_degrees(MODEL_STATE.steering_angle)},  $\delta t$ = {USUAL.paper_control_period_s:g} s"
+        f"{MODEL_FORMULAS}"
     )
     return _save(figure, out / "figure2_model.png")
 
@@ -216,7 +217,7 @@ def model(out: Path) -> Path:
 def _poses_of_one_period(state: VehicleState) -> list[Pose]:
     """Return q at even times of one δt during which v and φ hold."""
     p = state.pose
-    times = np.linspace(0.0, PAPER_CONTROL_PERIOD_S, ARC_POSES)
+    times = np.linspace(0.0, USUAL.paper_control_period_s, ARC_POSES)
     return [
         Pose(*advance_pose(p.x, p.y, p.heading, state.speed, state.steering_angle, CAR.wheelbase, float(t))) for t in times
     ]
@@ -352,7 +353,7 @@ def _shadow_field(figure: Figure, axes: Axes, obstacle: Footprint) -> None:
     _label(axes, _corner(obstacle, "se"), r"$D$", "se", OTHER)
     axes.set_title(r"$U_D=k_0\,\|v-v_D\|\,/\,\delta$ over the place of the centre of $D$ (grey: contact)")
     bar = figure.colorbar(image, cax=axes.inset_axes(BAR_PLACE), extend="both", ticks=SHADOW_LEVELS, format="%g")
-    bar.set_label(rf"$U_D$  ($k_0$ = {SHADOW_SCALE:g} s, no unit)")
+    bar.set_label(rf"$U_D$  ($k_0$ = {USUAL.shadow_scale:g} s, no unit)")
     bar.minorticks_off()
 
 
@@ -370,7 +371,7 @@ def _potential_in_colour(axes: Axes) -> QuadMesh:
     _region(axes, contact, facecolor=PALE, edgecolor=GREY, lw=THIN, zorder=LINES)
     left = outline[int(np.argmax(outline @ np.array((-along[1], along[0]))))]
     for value in SHADOW_LINES:
-        place = left + SHADOW_SCALE * relative / value * along
+        place = left + USUAL.shadow_scale * relative / value * along
         _label(axes, (place[0], place[1]), f"{value:g}", "ne")
     return image
 
@@ -393,7 +394,9 @@ def _shadow_potentials(x: Array, y: Array) -> Array:
     mine = OWN.corners()
     field = np.empty((len(y), len(x)))
     for i, j in np.ndindex(field.shape):
-        field[i, j] = shadow_potential(mine, own_x, own_y, body + np.array((x[j], y[i])), other_x, other_y, SHADOW_SCALE)
+        field[i, j] = shadow_potential(
+            mine, own_x, own_y, body + np.array((x[j], y[i])), other_x, other_y, USUAL.shadow_scale
+        )
     return field
 
 
@@ -432,7 +435,7 @@ def _valley_scene() -> ValleyScene:
     kerb = _right_border(lane.spine, lane.width)
     static = np.vstack((_filled(parked), kerb))
     none = np.empty((0, 2))
-    maps = [valley_map(curve, MAP_AT_M, heading, CAR.wheelbase, points) for points in (static, none)]
+    maps = [valley_map(curve, MAP_AT_M, heading, CAR.wheelbase, points, USUAL) for points in (static, none)]
     return ValleyScene(graph, curve, parked, kerb, *maps)
 
 
@@ -788,9 +791,10 @@ def _potential(shot: Shot, x: float, y: float, boxes: Array, corners: Array, sta
     along = curve.x, curve.y, curve.heading, curve.step, at
     body = 0.5 * limits.width, limits.front_overhang, limits.length - limits.front_overhang
     left, right = least_to_static(static, *along, *body)
-    u1 = valley_potential(abs(d), min(left - d, right + d), VALLEY_ATTRACTION, VALLEY_REPULSION)
+    u1 = valley_potential(abs(d), min(left - d, right + d), USUAL.valley_attraction, USUAL.valley_repulsion)
     room = np.full(2, np.inf)
-    u2 = foreseen_potential(foreseen_shadows(boxes, shot.step.speed, *body, *along, room), d, np.full(2, np.inf))
+    shadows = foreseen_shadows(boxes, shot.step.speed, *body, *along, room, USUAL.shadow_scale, USUAL.clearance_m)
+    u2 = foreseen_potential(shadows, d, np.full(2, np.inf), USUAL.clearance_m)
     return float(weights.valley * u1 + weights.shadow * u2)
 
 

@@ -13,6 +13,7 @@ import typer
 from sumo_reactive import __version__
 
 if TYPE_CHECKING:
+    from sumo_reactive.driver.parameters import Parameters
     from sumo_reactive.lab.scenario import Scenario
     from sumo_reactive.sumo.session import Progress
 
@@ -20,6 +21,11 @@ _COMPILING = "compiling the kernels once (about 20 s)…"
 _COMPILING_ALWAYS = (
     "compiling the kernels (about 20 s), for this run alone: others can write to what leads to XDG_CACHE_HOME or ~/.cache…"
 )
+
+ParameterOption = Annotated[
+    list[str] | None, typer.Option(metavar="NAME=VALUE", help="another value for a parameter of the driver (repeatable)")
+]
+"""The option `--parameter` of a command."""
 
 app = typer.Typer(name="sumo-reactive", add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 
@@ -38,6 +44,18 @@ def _common(version: Annotated[bool, typer.Option("--version", callback=_show_ve
 def with_options(scenario: Scenario, **given: Any) -> Scenario:
     """Return the scenario with what the command line says in place of what the file says; None: it says nothing."""
     return replace(scenario, **{name: value for name, value in given.items() if value is not None})
+
+
+def parameters_with(scenario: Scenario, said: Sequence[str]) -> Parameters:
+    """Return the scenario's parameters with those that the command line says, each as NAME=VALUE."""
+    values: dict[str, object] = {}
+    for text in said:
+        name, _, value = text.partition("=")
+        try:
+            values[name.strip()] = float(value)
+        except ValueError as error:
+            raise typer.BadParameter(f"--parameter: '{text}' is not NAME=VALUE with a number") from error
+    return scenario.parameters.with_values(values)
 
 
 def note_compiling() -> None:

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app, figures_kept, note_compiling, show_table, status_shown, with_options
+from sumo_reactive.cli.app import (
+    ParameterOption,
+    app,
+    figures_kept,
+    note_compiling,
+    parameters_with,
+    show_table,
+    status_shown,
+    with_options,
+)
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.comparison.comparison import Comparison
@@ -33,6 +42,7 @@ def compare_drivers(
     ] = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     until: Annotated[float | None, typer.Option(help="end both runs at this simulation time, s")] = None,
+    parameter: ParameterOption = None,
     horizon: Annotated[
         float, typer.Option(min=1.0, help="end both runs this long after the ego's departure, s")
     ] = _HORIZON_S,
@@ -48,7 +58,7 @@ def compare_drivers(
 
     scenarios = _scenarios(config, ego or [], [number for text in seed or [] for number in _seeds(text)])
     options = {"step_length_s": step_length, "until_s": until, "sumo_options": tuple(context.obj or ())}
-    scenarios = [with_options(scenario, **options) for scenario in scenarios]
+    scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in scenarios]
     if out is not None:
         require_usable(out, overwrite)
     note_compiling()

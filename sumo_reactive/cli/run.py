@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
 import sys
 from collections.abc import Callable, Sequence
 from enum import StrEnum
@@ -13,7 +11,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sumo_reactive.cli.app import app, figures_kept, note_compiling, progress_shown, show_table, with_options
+from sumo_reactive.cli.app import (
+    ParameterOption,
+    app,
+    figures_kept,
+    note_compiling,
+    parameters_with,
+    progress_shown,
+    show_table,
+    with_options,
+)
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.egos import EgoRule
@@ -58,6 +65,7 @@ def run(
     profile: Annotated[ProfileName | None, typer.Option(help="the paper's nine commands, or the finer default")] = None,
     delays: Annotated[DelaysName | None, typer.Option(help="shift times by a delay, as in the paper, or re-plan")] = None,
     until: Annotated[float | None, typer.Option(help="end at this simulation time, s")] = None,
+    parameter: ParameterOption = None,
     until_end: Annotated[bool, typer.Option("--until-end", help="play on after the ego has arrived")] = False,
     out: Annotated[Path | None, typer.Option(help="folder for summary, trajectory and decisions")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another run in that folder")] = False,
@@ -69,26 +77,15 @@ def run(
     from sumo_reactive.lab.scenario import load_scenario
 
     scenario = load_scenario(config)
-    _start_with_parameters(scenario)
     named = ego or []
     scenario = with_options(
         scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
         profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end,
+        parameters=parameters_with(scenario, parameter or []),
         sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
     rule = _rule(scenario, named, ego_type or [], ego_probability)
     return _drive(scenario, rule, out, overwrite, quiet)
-
-
-def _start_with_parameters(scenario: Scenario) -> None:
-    """Start this program again, in place of this process, if the scenario asks for other parameters than it started with."""
-    from sumo_reactive.driver.overrides import VARIABLE, overrides
-    from sumo_reactive.lab.scenario import parameters_missing
-
-    if parameters_missing(scenario):
-        os.environ[VARIABLE] = json.dumps({**scenario.parameters, **overrides()})
-        sys.stdout.flush()
-        os.execv(sys.executable, [sys.executable, "-m", "sumo_reactive", *sys.argv[1:]])
 
 
 def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None) -> EgoRule | None:

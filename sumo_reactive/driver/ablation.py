@@ -1,50 +1,37 @@
-"""The mechanisms of the paper that can be left out, one in a process, to measure what driving loses without it.
+"""The mechanisms of the paper that can be left out, one at a time, to measure what driving loses without it.
 
-`WITHOUT` of `parameters.py` names the one that is; the others that an ablation needs are values of `parameters.py`.
+`Parameters.without` names the one that is; the others that an ablation needs are parameters, too.
 """
 
 from __future__ import annotations
 
 from enum import IntEnum
 
-from sumo_reactive.driver.parameters import WITHOUT
-
 
 class Mechanism(IntEnum):
     """What can be left out, and what is then in its place."""
 
-    MINIMUM = 1
-    """U is 0 everywhere: the first command that passes the exact tests."""
-    VALLEY = 2
-    """w₁ = 0."""
-    SHADOW = 3
-    """w₂ = 0."""
-    VELOCITY = 4
-    """w₃ = 0."""
-    TIMES = 5
+    NONE = 0
+    """Nothing is left out."""
+    TIMES = 1
     """v_d knows no (l, t_l)."""
-    DELAYS = 6
+    DELAYS = 2
     """A delay neither shifts the time constraints nor has them planned anew."""
-    FAILURE = 7
+    FAILURE = 3
     """The assessment meets nobody."""
-    BEHAVIOURS = 8
+    BEHAVIOURS = 4
     """Normal driving, whatever comes."""
-    TUNING = 9
+    TUNING = 5
     """One tuning, whatever the instruction."""
-    ROOM_BEHIND = 10
+    ROOM_BEHIND = 6
     """Nobody asks for the post-conflict region."""
-    GRAPH = 11
+    GRAPH = 7
     """No passage ahead is looked up in W: no line, no light, no region."""
-    EVENTS = 12
+    EVENTS = 8
     """The pilot decides at every step."""
-    FEEDBACK = 13
+    FEEDBACK = 9
     """The executor does not say that no command is admissible."""
-    ESCAPE = 14
+    ESCAPE = 10
     """Nothing leads out of a local minimum."""
-    ROOM_TO_STOP = 15
+    ROOM_TO_STOP = 11
     """A command need not leave a way to stop, and nothing makes the ego brake harder than planned."""
-
-
-def has(mechanism: Mechanism) -> bool:
-    """Whether the driver has a mechanism in this process."""
-    return mechanism != WITHOUT

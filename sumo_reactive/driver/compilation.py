@@ -6,12 +6,11 @@ contents of all rooms that hold kernels.
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
@@ -21,7 +20,6 @@ import numba
 
 from sumo_reactive.driver.kernel_cache import KernelCache
 from sumo_reactive.driver.kernel_folder import VARIABLE, is_own, kernel_root, own_folder
-from sumo_reactive.driver.overrides import overrides
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -40,27 +38,10 @@ def _cache_folder() -> Path | None:
     package = Path(__file__).parents[1]
     digest = hashlib.sha256(numba.__version__.encode())
     sources = [source for room in (*KERNEL_ROOMS, *READ_ROOMS) for source in sorted((package / room).glob("*.py"))]
-    for source in (package / "driver" / "parameters.py", *sources):
+    for source in sources:
         digest.update(source.read_bytes())
-    for name, value in _compiled_in(overrides(), sources):
-        digest.update(f"{name}={value!r}".encode())
     root = kernel_root(os.environ)
     return root and own_folder(root / digest.hexdigest()[:16])
-
-
-def _compiled_in(asked: dict[str, float], sources: Iterable[Path]) -> Iterator[tuple[str, float]]:
-    """Yield those overrides that kernels read: named in a kernel, or in a constant of a file that may hold some."""
-    if not asked:
-        return
-    read = {name for source in sources for name in _names_compiled(ast.parse(source.read_bytes()))}
-    yield from sorted((name, value) for name, value in asked.items() if name in read)
-
-
-def _names_compiled(module: ast.Module) -> Iterator[str]:
-    for node in module.body:
-        is_kernel = isinstance(node, ast.FunctionDef) and any(ast.unparse(one) == "kernel" for one in node.decorator_list)
-        if is_kernel or isinstance(node, ast.Assign | ast.AnnAssign):
-            yield from (part.id for part in ast.walk(node) if isinstance(part, ast.Name))
 
 
 CACHE_FOLDER = _cache_folder()

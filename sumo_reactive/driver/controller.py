@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.field.valley_map import MAP_MARGIN_M, MAP_SIDE_M, NO_MAP, ValleyMap, valley_map
@@ -16,7 +16,6 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.driver.path.time_constraints import retimed
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory
@@ -83,7 +82,8 @@ class Controller:
 
         A decision that asks for another curve or route stands until the end of the duration: only then it is planned.
         """
-        longest = PAPER_CONTROL_PERIOD_S if self.profile is Profile.PAPER else CONTROL_PERIOD_S
+        p, is_paper = self.limits.parameters, self.profile is Profile.PAPER
+        longest = p.paper_control_period_s if is_paper else p.control_period_s
         parts = max(1, math.ceil(duration / longest - 1e-6))
         period = duration / parts
         step = self._once(traffic, drive, period)
@@ -114,7 +114,7 @@ class Controller:
             return Step(snapshot, completed, execution, after, asked)
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
-        held = max(period, PAPER_CONTROL_PERIOD_S) if nine else period
+        held = max(period, self.limits.parameters.paper_control_period_s) if nine else period
         execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
@@ -129,6 +129,7 @@ class Controller:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
         none yet. Last is how often the highway code was asked."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
+        has = snapshot.parameters.has
         ahead = passages_ahead(self.graph, plan, snapshot.passages) if has(Mechanism.GRAPH) else ()
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard and has(Mechanism.FEEDBACK)
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
@@ -163,7 +164,7 @@ class Controller:
             return drive.valley
         plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
         static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
-        return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static)
+        return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static, self.limits.parameters)
 
 
 @kept(PLANS_KEPT)

@@ -13,7 +13,6 @@ from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.plan import Aside, LaneSegment, NominalPlan
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import Traffic
-from sumo_reactive.driver.parameters import DETOUR_PATIENCE_S
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.lane import Lane
@@ -194,7 +193,7 @@ class Driving:
     def _is_worth(self, way: WayRound, time: float) -> bool:
         """Whether the car has waited for its turn as long as the other way takes longer."""
         since = self.drive.memory.waiting_since
-        return since is not None and time - since >= min(way.longer, DETOUR_PATIENCE_S)
+        return since is not None and time - since >= min(way.longer, self.controller.limits.parameters.detour_patience_s)
 
     def _rerouted(self, way: WayRound, time: float) -> Driving:
         """Return the driving on the other way, in the world around it."""

@@ -11,7 +11,6 @@ from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
 
-from sumo_reactive.driver.overrides import overrides
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Expectation, Limit, Scenario, load_scenario_file
@@ -39,7 +38,7 @@ class Case:
     @property
     def task(self) -> Task:
         """What a process has to do for it."""
-        return Task(self.scenario, parameters={**self.scenario.parameters, **overrides()})
+        return Task(self.scenario)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import pickle
 import signal
@@ -12,7 +11,7 @@ import sys
 import tempfile
 import threading
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -21,7 +20,6 @@ from typing import Any, BinaryIO, cast
 
 import psutil
 
-from sumo_reactive.driver.overrides import VARIABLE, overrides
 from sumo_reactive.lab.task import Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import new_scratch, receive, remove, send
 from sumo_reactive.sumo.crash import DEADLY
@@ -49,8 +47,8 @@ _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NU
 class Runner:
     """One process that imports once and runs one task after another; a context manager, for one thread at a time.
 
-    The process is replaced when it crashed, outran its limit, has run MAX_TRIALS tasks, holds too much memory, or other
-    parameters are asked for. A process whose caller dies ends by itself.
+    The process is replaced when it crashed, outran its limit, has run MAX_TRIALS tasks, or holds too much memory. A
+    process whose caller dies ends by itself.
 
     Temporary files of the tasks go to `scratch`, which the caller removes; else to a folder that ends with the process.
     """
@@ -68,16 +66,14 @@ class Runner:
 
     def run(self, task: Task, wall_limit_s: float) -> Outcome:
         """Run a task; whatever happens to it is told by the outcome. The limit (s) begins when the process is ready."""
-        ending, value, wall_s = self.call(_RUN, task, wall_limit_s, task.parameters)
+        ending, value, wall_s = self.call(_RUN, task, wall_limit_s)
         if ending is not Ending.DONE:
             return Outcome(task, ending, reason=value, wall_s=wall_s)
         return Outcome(task, ending, **value, wall_s=wall_s)
 
-    def call(
-        self, function: str, argument: object, wall_limit_s: float, parameters: Mapping[str, float]
-    ) -> Answer:
+    def call(self, function: str, argument: object, wall_limit_s: float) -> Answer:
         """Call a function ("module:name") in the process; return how that ended, its value or why not, wall-clock s."""
-        child = self._ready_for(parameters)
+        child = self._ready()
         answer = child.call((function, argument), wall_limit_s)
         if answer[0] in (Ending.CRASHED, Ending.TIMEOUT) or child.is_worn_out():
             child.close()
@@ -90,12 +86,9 @@ class Runner:
         if self._child is not None:
             self._child.close()
 
-    def _ready_for(self, parameters: Mapping[str, float]) -> _Child:
-        if self._child is not None and self._child.parameters != parameters:
-            self._child.close()
-            self._child = None
+    def _ready(self) -> _Child:
         if self._child is None:
-            self._child = _Child(parameters, self._scratch)
+            self._child = _Child(self._scratch)
         if self._closed:
             self._child.close()
         return self._child
@@ -104,15 +97,15 @@ class Runner:
 class _Child:
     """A running process, and what it answers."""
 
-    def __init__(self, parameters: Mapping[str, float], scratch: Path | None) -> None:
-        self.parameters = dict(parameters)
+    def __init__(self, scratch: Path | None) -> None:
         self._trials = 0
         self._ready = False
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 closed with the process
         self._own_scratch = None if scratch else new_scratch()
         self._process = subprocess.Popen(
             [sys.executable, "-m", "sumo_reactive.lab.trial_process", str(scratch or self._own_scratch)],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log, env=_environment(parameters),
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log,
+            env=dict.fromkeys(_ONE_THREAD, "1") | dict(os.environ),
         )  # fmt: skip
         assert self._process.stdin and self._process.stdout
         self._stdin: BinaryIO = cast(BinaryIO, self._process.stdin)
@@ -225,8 +218,3 @@ def run_all(
         for runner in runners:
             runner.close()
         threads.shutdown()
-
-
-def _environment(parameters: Mapping[str, float]) -> dict[str, str]:
-    asked = json.dumps(overrides() | dict(parameters), sort_keys=True)
-    return dict.fromkeys(_ONE_THREAD, "1") | dict(os.environ) | {VARIABLE: asked}

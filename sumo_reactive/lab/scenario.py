@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import Field, field_validator, model_validator
 
-from sumo_reactive.driver import parameters
 from sumo_reactive.driver.controller import Profile
-from sumo_reactive.driver.overrides import VARIABLE, overridden, overrides
+from sumo_reactive.driver.parameters import USUAL, Parameters, name_of
 from sumo_reactive.driver.pilot.schedule import Delays
-from sumo_reactive.errors import ParameterError, ScenarioError
+from sumo_reactive.errors import ParameterError
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS, given_options, read_config, seconds_of
+
+Value = TypeVar("Value")
 
 
 class Limit(TomlTable):
@@ -61,8 +62,8 @@ class Scenario:
 
     `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
     run ends at the latest; it ends `horizon_s` after the ego's departure at the latest, too. `until_end` plays the scenario
-    out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `parameters` are other
-    values for constants of `parameters.py`.
+    out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `parameters` are the
+    driver's.
     """
 
     config: Path
@@ -76,7 +77,7 @@ class Scenario:
     sumo_options: tuple[str, ...] = ()
     obstacle_polygons: str = OBSTACLE_POLYGONS
     source: Path = Path()
-    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
+    parameters: Parameters = USUAL
     horizon_s: float | None = None
 
     def end_after(self, departure: float) -> float | None:
@@ -131,7 +132,7 @@ class _Keys(TomlTable):
     @field_validator("parameters")
     @classmethod
     def _exist(cls, asked: dict[str, Any]) -> dict[str, float]:
-        return {name: parameter(name, value) for name, value in asked.items()}
+        return named_once(asked, [parameter(name, value) for name, value in asked.items()])
 
     @model_validator(mode="after")
     def _one_kind_of_seed(self) -> _Keys:
@@ -140,12 +141,22 @@ class _Keys(TomlTable):
         return self
 
 
-def parameter(name: str, value: object) -> float:
-    """Return a value for a constant of `parameters.py` that a file gives it; tell of one that cannot be."""
+def parameter(name: str, value: object) -> tuple[str, float]:
+    """Return a parameter's name in small letters, and the value that a file gives it; tell of what cannot be."""
     try:
-        return overridden(vars(parameters), name, value)
+        return name_of(name), getattr(Parameters.of({name: value}), name_of(name))
     except ParameterError as error:
         raise problem_at(name, str(error)) from error
+
+
+def named_once(names: Iterable[str], found: Iterable[tuple[str, Value]]) -> dict[str, Value]:
+    """Return what was found for the `names` that a file spells, by the driver's own; tell of one that comes twice."""
+    values: dict[str, Value] = {}
+    for name, (known, value) in zip(names, found, strict=True):
+        if known in values:
+            raise problem_at(name, f"parameter '{known}' is named twice")
+        values[known] = value
+    return values
 
 
 class _File(TomlTable):
@@ -168,21 +179,9 @@ def load_scenario_file(path: Path) -> ScenarioFile:
     seeds = tuple(keys.pop("seeds") or [keys["seed"]])
     config = path.parent / file.scenario.config
     read_config(config)
-    scenario = Scenario(**(keys | {"config": config, "source": path, "seed": seeds[0]}))
+    keys |= {"config": config, "source": path, "seed": seeds[0], "parameters": Parameters.of(keys["parameters"])}
+    scenario = Scenario(**keys)
     return ScenarioFile(scenario, seeds, file.expect)
-
-
-def parameters_missing(scenario: Scenario) -> dict[str, float]:
-    """Return the scenario's parameters that this process does not use; what its environment asks for is as good."""
-    asked, present = overrides(), vars(parameters)
-    return {name: value for name, value in scenario.parameters.items() if name not in asked and present[name] != value}
-
-
-def require_parameters(scenario: Scenario) -> None:
-    """Raise ScenarioError unless this process uses the scenario's parameters: they are set when a process starts."""
-    if missing := parameters_missing(scenario):
-        told = ", ".join(f"{name} = {value!r}" for name, value in missing.items())
-        raise ScenarioError(f"{scenario.source}: {VARIABLE} has to name these when the process starts: {told}")
 
 
 def _own_seed(text: str) -> int:

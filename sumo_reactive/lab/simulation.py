@@ -27,7 +27,7 @@ from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.recorder import COLUMNS
 from sumo_reactive.lab.result import FleetResult, Override, TrialResult
-from sumo_reactive.lab.scenario import Scenario, require_parameters
+from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
 from sumo_reactive.lab.task import Driver, Task
 from sumo_reactive.lab.trace import entries
@@ -241,7 +241,6 @@ def run_trial(
     `observer` gets every scene, `progress` simulation time (s) and a text, `survey` the world of each route driven, at the
     end. Raises ScenarioError or NetworkError for what cannot be run, SimulationError if SUMO fails on the way.
     """
-    require_parameters(scenario)
     net = read_net(read_config(scenario.config).net_file)
     onlookers = Onlookers(_of_any(observer), _of_any(survey), progress)
     with started(scenario) as start:
@@ -267,7 +266,9 @@ def run_sumo_driver(
         with started(scenario, options) as start:
             session, net_file = start.session, start.config.net_file
             onlookers = Onlookers(_of_any(observer), None, progress)
-            simulation = _alone(start, scenario, onlookers, lambda ego: WatchedTrip(session, ego, net_file))
+            simulation = _alone(
+                start, scenario, onlookers, lambda ego: WatchedTrip(session, ego, net_file, scenario.parameters.stuck_s)
+            )
         return as_told(simulation.results[0], trips)
 
 
@@ -284,7 +285,6 @@ def run_fleet(
     Nobody is taken over after the scenario's end; who is under way then drives on, to `until_s` at the latest. Raises what
     `run_trial` raises; a vehicle that is not named and cannot be taken over is no error.
     """
-    require_parameters(scenario)
     began = clock.perf_counter()
     with started(scenario) as start:
         worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)

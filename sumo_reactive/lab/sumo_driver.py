@@ -10,7 +10,6 @@ from pathlib import Path
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import STUCK_S
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, SimulationError
 from sumo_reactive.lab.metrics.moment import JUDGED_REACH_M
@@ -38,13 +37,13 @@ class WatchedTrip:
     ghosts_made = 0
     graphs: tuple[RoadGraph, ...] = ()
 
-    def __init__(self, session: Session, vehicle_id: str, net_file: Path) -> None:
+    def __init__(self, session: Session, vehicle_id: str, net_file: Path, stuck_s: float) -> None:
         self._session, self._spectator = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)
         self.id, self.limits, self.profile = vehicle_id, self._spectator.limits, PROFILE
         self.departure, self.end = self._spectator.departure, session.time
         self.arrived, self.stuck = False, ""
         self.judged_in: RoadGraph | None = None
-        self._moved = session.time
+        self._moved, self._longest = session.time, stuck_s
         self._route: tuple[str, ...] = ()
         self._net: NetFile | None = None
         with contextlib.suppress(NetworkError):
@@ -64,8 +63,8 @@ class WatchedTrip:
         self.arrived = self._spectator.arrived
         if view is not None and view.own.speed >= STANDING_SPEED:
             self._moved = self.end
-        if self.end - self._moved >= STUCK_S:
-            self.stuck = f"stood still for {STUCK_S:g} s"
+        if self.end - self._moved >= self._longest:
+            self.stuck = f"stood still for {self._longest:g} s"
         if view is None:
             return None
         own = view.own

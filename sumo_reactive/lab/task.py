@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import shlex
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
-from sumo_reactive.driver.overrides import VARIABLE
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.trace import Entry
@@ -23,11 +20,10 @@ class Driver(Enum):
 
 @dataclass(frozen=True)
 class Task:
-    """One trial: a scenario, who drives, and other values for constants of `parameters.py`."""
+    """One trial: a scenario, and who drives."""
 
     scenario: Scenario
     driver: Driver = Driver.REACTIVE
-    parameters: Mapping[str, float] = field(default_factory=dict)
 
 
 class Ending(Enum):
@@ -63,8 +59,7 @@ def replay_command(task: Task) -> str:
     words = ["sumo-reactive", command, str(scenario.source), *_options(scenario, command == "run")]
     if scenario.sumo_options:
         words += ["--", *scenario.sumo_options]
-    asked = f"{VARIABLE}={shlex.quote(json.dumps(dict(task.parameters), sort_keys=True))} " if task.parameters else ""
-    return asked + shlex.join(words)
+    return shlex.join(words)
 
 
 def _options(scenario: Scenario, is_run: bool) -> list[str]:
@@ -74,4 +69,6 @@ def _options(scenario: Scenario, is_run: bool) -> list[str]:
         words += ["--step-length", f"{scenario.step_length_s:g}"]
     if scenario.until_s is not None:
         words += ["--until", f"{scenario.until_s:g}"]
+    for name, value in scenario.parameters.varied.items():
+        words += ["--parameter", f"{name}={value!r}"]
     return [*words, "--profile", scenario.profile.value, "--delays", scenario.delays.value] if is_run else words

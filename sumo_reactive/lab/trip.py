@@ -16,7 +16,6 @@ from sumo_reactive.driver.nouns.plan import LaneSegment
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Traffic
-from sumo_reactive.driver.parameters import STUCK_S
 from sumo_reactive.driver.path.lane_choice import choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart
 from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of
@@ -55,7 +54,7 @@ class Trip:
 
     @interrupts_kept()
     def __init__(self, session: Session, ego_id: str, net: WorldSource, scenario: Scenario, sensor: Sensor) -> None:
-        self._ego = ego = Ego(ego_id)
+        self._ego = ego = Ego(ego_id, scenario.parameters)
         self._session, self._net = session, net
         self.id, self.limits, self.profile = ego_id, ego.limits, scenario.profile.value
         self.arrived, self.stuck = False, ""
@@ -146,8 +145,9 @@ class Trip:
         self.time_loss = self._ego.time_loss() - self.stopped
         if ego.speed >= STANDING_SPEED:
             self._moved = self.end
-        if self.end - self._moved >= STUCK_S:
-            self.stuck = f"stood still for {STUCK_S:g} s: {_reason(step)}"
+        longest = self.limits.parameters.stuck_s
+        if self.end - self._moved >= longest:
+            self.stuck = f"stood still for {longest:g} s: {_reason(step)}"
 
     def _observe(self) -> Traffic:
         driving, drive = self._driving, self._driving.drive

@@ -12,6 +12,7 @@ import libsumo
 from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
+from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -65,13 +66,13 @@ def give_back(vehicle_id: str) -> None:
 class Ego:
     """One vehicle of a running simulation, moved from outside."""
 
-    def __init__(self, vehicle_id: str) -> None:
+    def __init__(self, vehicle_id: str, parameters: Parameters = USUAL) -> None:
         vehicle_class = libsumo.vehicle.getVehicleClass(vehicle_id)
         if vehicle_class in NOT_ROAD_CARS:
             raise ScenarioError(f"ego '{vehicle_id}' is not a road car: its class is '{vehicle_class}'")
         self.id = vehicle_id
         self.vehicle_class: str = vehicle_class
-        self.limits: VehicleLimits = limits_of(vehicle_id)
+        self.limits: VehicleLimits = limits_of(vehicle_id, parameters)
         self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
         self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)
         self._refuse_oncoming_side()

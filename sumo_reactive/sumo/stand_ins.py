@@ -10,7 +10,6 @@ import libsumo
 
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
@@ -106,7 +105,7 @@ def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> Occup
     turned = math.cos(by.ego.pose.heading - own.spine.heading_at(own.spine.length))
     if abs(own.spine.project(*by.front)[1]) < _LEAVING_M and turned > _ALONG:
         return None
-    x, y = by.plan.curve.at(turn.start - STOP_LINE_MARGIN_M)[:2]
+    x, y = by.plan.curve.at(turn.start - by.limits.parameters.stop_line_margin_m)[:2]
     return OccupiedLane(own, x, y, 0.0, edges)
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import libsumo
 
-from sumo_reactive.driver import parameters
 from sumo_reactive.driver.nouns.state import Pose
+from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ScenarioError
 
@@ -98,8 +98,9 @@ NOT_ROAD_CARS = frozenset(
 """What is not driven like a car."""
 
 
-def limits_of(vehicle_id: str) -> VehicleLimits:
-    """Read length, width, accelerations and speeds from SUMO; wheelbase and overhang are fractions of the length.
+def limits_of(vehicle_id: str, parameters: Parameters = USUAL) -> VehicleLimits:
+    """Read length, width, accelerations and speeds from SUMO; wheelbase and overhang are fractions of the length, the rest
+    follows the `parameters` of the driver.
 
     Each can be overridden by a `<param key="reactive.NAME">` of the vehicle or its type, NAME a field of VehicleLimits.
     """
@@ -113,20 +114,20 @@ def limits_of(vehicle_id: str) -> VehicleLimits:
         "front_overhang": FRONT_OVERHANG_FRACTION * length,
         "max_speed": vehicle.getMaxSpeed(vehicle_id),
         "max_acceleration": vehicle.getAccel(vehicle_id),
-        "comfort_deceleration": min(parameters.COMFORT_DECELERATION, service),
+        "comfort_deceleration": min(parameters.comfort_deceleration, service),
         "service_deceleration": service,
         "emergency_deceleration": max(service, vehicle.getEmergencyDecel(vehicle_id)),
-        "max_steering_rate": parameters.MAX_STEERING_RATE,
-        "max_lateral_acceleration": parameters.MAX_LATERAL_ACCELERATION,
-        "comfort_lateral_acceleration": parameters.COMFORT_LATERAL_ACCELERATION,
+        "max_steering_rate": parameters.max_steering_rate,
+        "max_lateral_acceleration": parameters.max_lateral_acceleration,
+        "comfort_lateral_acceleration": parameters.comfort_lateral_acceleration,
         "time_headway": vehicle.getTau(vehicle_id),
-        "standstill_gap": min(parameters.STANDSTILL_GAP_M, max(vehicle.getMinGap(vehicle_id), 1.0)),
+        "standstill_gap": min(parameters.standstill_gap_m, max(vehicle.getMinGap(vehicle_id), 1.0)),
     }
     values.update(_overrides(vehicle_id, (*values, "max_steering_angle")))
     sizes = values["wheelbase"], values["front_overhang"], values["width"]
     values.setdefault("max_steering_angle", steering_angle_of(*sizes))
     try:
-        return VehicleLimits(**values)
+        return VehicleLimits(**values, parameters=parameters)
     except ValueError as error:
         raise ScenarioError(f"vehicle '{vehicle_id}': {error}") from error
 

@@ -1,5 +1,6 @@
 """Kernels on disk: what is damaged or cannot be kept is compiled again, in one line."""
 
+import ast
 import pickle
 import shutil
 from pathlib import Path
@@ -8,7 +9,7 @@ import pytest
 from helpers.programs import run_program
 
 import sumo_reactive
-from sumo_reactive.driver.compilation import KERNEL_ROOMS
+from sumo_reactive.driver.compilation import KERNEL_ROOMS, READ_ROOMS
 from sumo_reactive.driver.kernel_cache import KernelCache
 
 CODE = """
@@ -129,3 +130,23 @@ def test_every_room_with_a_kernel_is_in_the_name_of_the_folder():
     package = Path(sumo_reactive.__file__).parent
     holding = {file.parent for file in package.rglob("*.py") if "\n@kernel\n" in file.read_text(encoding="utf-8")}
     assert {folder.relative_to(package).as_posix() for folder in holding} == set(KERNEL_ROOMS)
+
+
+def read_by_kernels(file):
+    """Return the modules from which a file takes constants that its kernels name."""
+    module = ast.parse(file.read_text(encoding="utf-8"))
+    kernels = [
+        node
+        for node in module.body
+        if isinstance(node, ast.FunctionDef) and any(ast.unparse(one) == "kernel" for one in node.decorator_list)
+    ]
+    named = {part.id for one in kernels for part in ast.walk(one) if isinstance(part, ast.Name) and part.id.isupper()}
+    imports = [node for node in module.body if isinstance(node, ast.ImportFrom)]
+    return {node.module for node in imports if named & {alias.asname or alias.name for alias in node.names}}
+
+
+def test_every_room_with_a_constant_that_a_kernel_reads_is_in_the_name_of_the_folder():
+    package = Path(sumo_reactive.__file__).parent
+    read = {name for room in KERNEL_ROOMS for file in (package / room).glob("*.py") for name in read_by_kernels(file)}
+    rooms = {"/".join(name.split(".")[1:-1]) for name in read}
+    assert rooms <= {*KERNEL_ROOMS, *READ_ROOMS} and set(READ_ROOMS) <= rooms

@@ -25,6 +25,7 @@ from sumo_reactive.driver.pilot.behaviours.overtaking import try_out
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
 from sumo_reactive.driver.pilot.passages import crossings
 from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import perceive
 from sumo_reactive.driver.world.junction import Connection
@@ -53,6 +54,7 @@ class Situation:
     plan: NominalPlan
     memory: PilotMemory = field(default_factory=PilotMemory)
     time: float = 100.0
+    limits: VehicleLimits = CAR
 
     @property
     def line(self) -> float:
@@ -79,7 +81,7 @@ class Situation:
         return self.other(name, lane_id, front, speed, self.route, 30.0 if halted else 0.0, halted)
 
     def _front(self) -> tuple[float, float]:
-        p, reach = self.ego.pose, CAR.front_to_rear_axle
+        p, reach = self.ego.pose, self.limits.front_to_rear_axle
         return p.x + reach * math.cos(p.heading), p.y + reach * math.sin(p.heading)
 
     def later(self, user: RoadUser, seconds: float) -> RoadUser:
@@ -116,11 +118,11 @@ class Situation:
 
     def seen(self, *users: RoadUser, lights: dict[str, str] | None = None) -> Snapshot:
         """Return what the ego perceives."""
-        return perceive(Traffic(self.time, users, lights or {}), self.ego, self.plan, self.graph, CAR, 0.0)
+        return perceive(Traffic(self.time, users, lights or {}), self.ego, self.plan, self.graph, self.limits, 0.0)
 
     def outlook(self, *users: RoadUser, sight: float = 0.0) -> Outlook:
         """Return what the pilot is told of the others' ways and the lanes beside its own."""
-        return outlook(Traffic(self.time, users, {}, sight), self.seen(*users), self.plan, self.graph, CAR)
+        return outlook(Traffic(self.time, users, {}, sight), self.seen(*users), self.plan, self.graph, self.limits)
 
     def considered(
         self,
@@ -134,9 +136,11 @@ class Situation:
         snapshot, view = self.seen(*users, lights=lights), self.outlook(*users, sight=sight)
         ahead = passages_ahead(self.graph, self.plan, snapshot.passages)
         ways = tuple(crossings(snapshot, self.plan, ahead))
-        assessment = assess(snapshot, view.forecast, self.plan, stop, None, CAR, ())
+        assessment = assess(snapshot, view.forecast, self.plan, stop, None, self.limits, ())
         x = pilot.next_on_way(snapshot)
-        found = pilot.Situation(snapshot, self.plan, CAR, self.memory, events, ahead, ways, x, stop, assessment, view)
+        found = pilot.Situation(
+            snapshot, self.plan, self.limits, self.memory, events, ahead, ways, x, stop, assessment, view
+        )
         return found._replace(proof=try_out(found))
 
     def drive(self) -> Drive:
@@ -146,7 +150,7 @@ class Situation:
     def step(self, *users: RoadUser, lights: dict[str, str] | None = None, drive: Drive | None = None, time=None) -> Step:
         """Return one control step of the default profile."""
         traffic = Traffic(self.time if time is None else time, users, lights or {})
-        return Controller(self.graph, CAR).step(traffic, drive or self.drive(), PERIOD)
+        return Controller(self.graph, self.limits).step(traffic, drive or self.drive(), PERIOD)
 
     def stop(self, *users: RoadUser, lights: dict[str, str] | None = None) -> TimeConstraint | None:
         """Return the place where the pilot wants to stop, and why."""
@@ -167,7 +171,7 @@ class Situation:
         delays=Delays.REPLAN,
     ) -> list[Step]:
         """Return the control steps of `seconds` of driving; others and lights as they are so many seconds on."""
-        controller, drive, steps = Controller(self.graph, CAR, profile, delays), self.drive(), []
+        controller, drive, steps = Controller(self.graph, self.limits, profile, delays), self.drive(), []
         for k in range(round(seconds / PERIOD)):
             past = k * PERIOD
             sight = drive.completed.sight if drive.completed else 0.0

@@ -31,7 +31,7 @@ def test_what_is_left_out_comes_from_the_scenario(tmp_path):
 def test_values_alone_are_grids_of_one(tmp_path):
     text = HEAD + "[parameters]\nSTUCK_S = 5.0\nPROGRESS_M = [1.0, 2]\n[options]\nscale = 1.5\n"
     experiment = load_experiment(written(tmp_path, text))
-    assert experiment.grid == {"STUCK_S": [5.0], "PROGRESS_M": [1.0, 2.0]}
+    assert experiment.grid == {"stuck_s": [5.0], "progress_m": [1.0, 2.0]}
     assert experiment.options == {"scale": [1.5]}
 
 
@@ -50,10 +50,16 @@ def test_the_example_of_this_repository_is_read():
         (HEAD + 'drivers = ["human"]\n', 3, "key 'experiment.drivers.0'"),
         (HEAD + 'metrics = [\n  "arrived",\n  "durations",\n]\n', 3, "unknown metric 'durations'; near it: duration_s"),
         ('[experiment]\n\nscenarios = ["nowhere.toml"]\n', 3, "nowhere.toml: no such file"),
-        (HEAD + "\n[parameters]\nSTUCK = 1.0\n", 5, "unknown parameter 'STUCK'; near it: STUCK_S"),
+        (HEAD + "\n[parameters]\nSTUCK = 1.0\n", 5, "unknown parameter 'STUCK'; near it: stuck_s"),
         (HEAD + "\n[parameters]\nSTUCK_S = []\n", 5, "no value"),
         (HEAD + "\n[parameters]\nSTUCK_S = [true]\n", 5, "STUCK_S"),
-        (HEAD + "\n[parameters]\nMAX_TRIALS = 1.5\n", 5, "not a whole number"),
+        (HEAD + "\n[parameters]\nwithout = 1.5\n", 5, "not a mechanism's number"),
+        (HEAD + "\n[parameters]\nSTUCK_S = 1.0\nstuck_s = 2.0\n", 6, "parameter 'stuck_s' is named twice"),
+        (
+            HEAD + "[parameters]\nstuck_s = 1.0\n[samples]\ncount = 2\n[samples.parameters]\nstuck_s = [1.0, 2.0]\n",
+            8,
+            "there is a grid of it already",
+        ),
         (HEAD + "[egos]\nnames = []\n", 4, "names nobody"),
         (HEAD + '[egos]\nnames = ["a"]\ndrawn = 3\n', 5, "there are 'names' already"),
         (HEAD + '[egos.names]\n"other.toml" = ["a"]\n', 4, "no scenario of this experiment"),

@@ -5,10 +5,9 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.driver.controller import Profile
-from sumo_reactive.driver.overrides import VARIABLE
-from sumo_reactive.driver.parameters import STUCK_S
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.scenario import Expectation, Limit, load_scenario, load_scenario_file, require_parameters
+from sumo_reactive.lab.scenario import Expectation, Limit, load_scenario, load_scenario_file
 
 ROOT = Path(__file__).parents[2]
 CONFIG = (ROOT / "networks" / "roundabout" / "roundabout.sumocfg").as_posix()
@@ -57,20 +56,9 @@ min_time_to_collision_s = {{ min = 0.5, max = 9 }}
 """
     scenario, seeds, expectation = load_scenario_file(_file(tmp_path, text))
     assert (scenario.seed, seeds) == (3, (3, 1, 2))
-    assert scenario.parameters == {"STUCK_S": 60.0}
+    assert scenario.parameters == Parameters(stuck_s=60.0)
     limits = {"duration_s": Limit(max=60.0), "min_time_to_collision_s": Limit(min=0.5, max=9.0)}
     assert expectation == Expectation(violations=1, metrics=limits)
-
-
-def test_parameters_have_to_be_those_of_the_process(tmp_path, monkeypatch):
-    monkeypatch.delenv(VARIABLE, raising=False)
-    text = f'[scenario]\nconfig = "{CONFIG}"\n[scenario.parameters]\nSTUCK_S = '
-    require_parameters(load_scenario(_file(tmp_path, f"{text}{STUCK_S}\n")))
-    other = load_scenario(_file(tmp_path, f"{text}60\n"))
-    with pytest.raises(ScenarioError, match=f"{VARIABLE} .*STUCK_S = 60.0"):
-        require_parameters(other)
-    monkeypatch.setenv(VARIABLE, '{"STUCK_S": 50}')
-    require_parameters(other)
 
 
 def test_a_configuration_is_a_scenario_with_its_own_seed(tmp_path):
@@ -100,10 +88,15 @@ def test_a_configuration_is_a_scenario_with_its_own_seed(tmp_path):
         (f'{HEAD}profile = "fast"\n', ":3: key 'scenario.profile'"),
         (
             f'{HEAD}[scenario.parameters]\nSTUKC_S = 1\n',
-            ":4: key 'scenario.parameters.STUKC_S': unknown parameter 'STUKC_S'; near it: STUCK_S",
+            ":4: key 'scenario.parameters.STUKC_S': unknown parameter 'STUKC_S'; near it: stuck_s",
         ),
         (f'{HEAD}parameters = {{ STUCK_S = "1" }}\n', ":3: key 'scenario.parameters.STUCK_S'"),
-        (f'{HEAD}parameters.MAX_TRIALS = 1.5\n', ":3: key 'scenario.parameters.MAX_TRIALS'"),
+        (f'{HEAD}parameters.without = 1.5\n', ":3: key 'scenario.parameters.without'"),
+        (f'{HEAD}parameters.stuck_s = -1\n', ":3: key 'scenario.parameters.stuck_s': parameter 'stuck_s': -1.0 is less"),
+        (
+            f'{HEAD}[scenario.parameters]\nSTUCK_S = 1\nstuck_s = 1\n',
+            ":5: key 'scenario.parameters.stuck_s': parameter 'stuck_s' is named twice",
+        ),
         (f'{HEAD}[expect]\narived = true\n', ":4: unknown key 'expect.arived'; near it: arrived"),
         (f'{HEAD}[expect]\narrived = 1\n', ":4: key 'expect.arrived'"),
         (f'{HEAD}[expect]\ncollisions = -1\n', ":4: key 'expect.collisions'"),

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of
 from sumo_reactive.lab.egos import EgoRule
@@ -15,7 +16,7 @@ from sumo_reactive.lab.recorder import fleet_summary
 from sumo_reactive.lab.result import rows_of as shown
 from sumo_reactive.lab.result import summary_of
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.simulation import run_fleet, run_sumo_driver, run_trial
+from sumo_reactive.lab.simulation import digest_of, run_fleet, run_sumo_driver, run_trial
 from sumo_reactive.sumo.config import read_config
 
 ROOT = Path(__file__).parents[2]
@@ -193,3 +194,20 @@ def test_an_end_that_is_no_time_is_an_input_error(tmp_path):
     for run in (run_trial, lambda asked: run_fleet(asked, EgoRule(ids=("ego",)))):
         with pytest.raises(ScenarioError):
             run(replace(own(tmp_path), sumo_options=("--end", "soon")))
+
+
+def driven(**parameters):
+    """The trajectory of an ego with other parameters, in this process."""
+    steps = []
+    asked = scenario("four_way_priority", parameters=Parameters(**parameters))
+    run_trial(asked, observer=lambda scene: steps.append(scene.step))
+    return digest_of(steps)
+
+
+def test_runs_of_one_process_have_their_own_parameters():
+    """Of the pilot, the executor, the compiled field and the car itself: each makes a difference, and none stays behind."""
+    usual = driven()
+    asked = ({"gap_before_s": 9.0}, {"comfort_jerk": 4.0}, {"valley_attraction": 0.2}, {"comfort_deceleration": 1.5})
+    varied = [driven(**one) for one in asked]
+    assert len({usual, *varied}) == 1 + len(varied)
+    assert [driven(**asked[0]), driven()] == [varied[0], usual]

@@ -1,12 +1,12 @@
 """The trials of an experiment: which there are, their keys, and how egos are drawn."""
 
-import itertools
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.batch.trials import Departure, _digest_of_files, drawn_egos, key_of, scout, trials_of
@@ -30,18 +30,18 @@ def test_a_grid_is_a_product_and_the_baseline_is_run_once(tmp_path):
     assert len(found) == 2 * 2 * (4 + 1)
     assert len({trial.key for trial in found}) == len(found)
     assert all(not trial.parameters for trial in found if trial.task.driver is Driver.SUMO)
-    orders = [tuple(sorted(trial.task.parameters.items())) for trial in found]
-    assert len(list(itertools.groupby(orders))) == len(set(orders))
+    points = {tuple(trial.task.scenario.parameters.varied.items()) for trial in found if trial.parameters}
+    assert points == {(("progress_m", far), ("stuck_s", long)) for far in (1.0, 2.0) for long in (100.0, 200.0)}
 
 
 def test_samples_are_drawn_within_their_ranges_and_the_same_each_time(tmp_path):
     more = 'drivers = ["reactive"]\nseeds = [1]\n[samples]\ncount = 5\n'
-    more += "parameters = {STUCK_S = [100.0, 200.0], MAX_TRIALS = [1, 9]}\n"
+    more += "parameters = {STUCK_S = [100.0, 200.0], progress_m = [1, 9]}\n"
     found, again = trials(tmp_path, more), trials(tmp_path, more)
     assert [trial.key for trial in found] == [trial.key for trial in again]
     assert len(found) == 5
-    assert all(100.0 <= trial.parameters["STUCK_S"] <= 200.0 for trial in found)
-    assert all(isinstance(trial.parameters["MAX_TRIALS"], int) for trial in found)
+    assert all(100.0 <= trial.task.scenario.parameters.stuck_s <= 200.0 for trial in found)
+    assert all(trial.parameters == trial.task.scenario.parameters.varied for trial in found)
 
 
 def test_egos_are_drawn_among_long_trips_after_the_warm_up(tmp_path):
@@ -79,7 +79,8 @@ def test_a_key_depends_on_contents_and_not_on_where_they_lie(tmp_path):
 def test_whatever_is_asked_for_is_part_of_the_key():
     scenario = load_scenario(FOUR_WAY)
     asked = [
-        Task(scenario), Task(scenario, Driver.SUMO), Task(scenario, parameters={"STUCK_S": 1.0}),
+        Task(scenario), Task(scenario, Driver.SUMO),
+        Task(replace(scenario, parameters=Parameters(stuck_s=1.0))),
         Task(replace(scenario, seed=1)), Task(replace(scenario, ego="other")), Task(replace(scenario, step_length_s=0.2)),
         Task(replace(scenario, until_s=1.0)), Task(replace(scenario, sumo_options=("--scale", "2"))),
     ]  # fmt: skip

@@ -10,7 +10,7 @@ from occupants import ahead, behind, cut_in_bend, in_change, occupied
 
 from sumo_reactive.driver.nouns.plan import Aside, Turnaround
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.route import Route
@@ -167,7 +167,7 @@ def test_an_ego_that_has_begun_to_turn_round_is_shown_where_it_began(road, y, he
     seen = behind(road, found, turn, car_with_front_at(290.0, y, heading), CAR, ("ab", "ba"))
     assert (seen is not None) is is_shown
     if seen is not None:
-        place = found.curve.at(turn.start - STOP_LINE_MARGIN_M)
+        place = found.curve.at(turn.start - USUAL.stop_line_margin_m)
         assert (seen.lane.id, seen.x, seen.y, seen.speed, seen.edges) == ("ab_1", *place[:2], 0.0, ("ab", "ba"))
 
 

@@ -6,13 +6,7 @@ import pytest
 from net_recipes import CROSS_NODES, converted, cross_edges
 from simulations import running, simulated, vehicle
 
-from sumo_reactive.driver.parameters import (
-    COMFORT_DECELERATION,
-    COMFORT_LATERAL_ACCELERATION,
-    MAX_LATERAL_ACCELERATION,
-    MAX_STEERING_RATE,
-    STANDSTILL_GAP_M,
-)
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.vehicle_type import (
     FRONT_OVERHANG_FRACTION,
@@ -54,14 +48,14 @@ def test_sizes_and_accelerations_are_those_of_the_type_and_the_rest_follows(net,
         (2.1, 4.1, 8.5)
     )
     assert (found.comfort_deceleration, found.time_headway, found.standstill_gap) == pytest.approx(
-        (COMFORT_DECELERATION, 1.3, 1.7)
+        (USUAL.comfort_deceleration, 1.3, 1.7)
     )
-    assert (found.max_steering_angle, found.max_steering_rate) == (MAX_STEERING_ANGLE, MAX_STEERING_RATE)
-    assert found.max_lateral_acceleration == MAX_LATERAL_ACCELERATION
-    assert found.comfort_lateral_acceleration == COMFORT_LATERAL_ACCELERATION
+    assert (found.max_steering_angle, found.max_steering_rate) == (MAX_STEERING_ANGLE, USUAL.max_steering_rate)
+    assert found.max_lateral_acceleration == USUAL.max_lateral_acceleration
+    assert found.comfort_lateral_acceleration == USUAL.comfort_lateral_acceleration
 
 
-@pytest.mark.parametrize(("gap", "kept"), [(0.2, 1.0), (1.5, 1.5), (5.0, STANDSTILL_GAP_M)])
+@pytest.mark.parametrize(("gap", "kept"), [(0.2, 1.0), (1.5, 1.5), (5.0, USUAL.standstill_gap_m)])
 def test_the_gap_of_a_stand_is_the_types_within_bounds(net, tmp_path, gap, kept):
     assert limits(net, tmp_path, f'minGap="{gap}"').standstill_gap == pytest.approx(kept)
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.parameters import COMFORT_JERK, MAX_LATERAL_JERK
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 PAPER_LATERAL_STEP = 1.1
@@ -42,12 +41,12 @@ class CommandGrid(NamedTuple):
 
 def steering_rate_limit(limits: VehicleLimits, speed: float) -> float:
     """φ̇max at `speed` (m/s): the car's own, or what keeps the lateral jerk v²φ̇/L bounded, rad/s."""
-    return min(limits.max_steering_rate, MAX_LATERAL_JERK * limits.wheelbase / max(speed, 1.0) ** 2)
+    return min(limits.max_steering_rate, limits.parameters.max_lateral_jerk * limits.wheelbase / max(speed, 1.0) ** 2)
 
 
-def gentlest_brake(acceleration: float, period: float) -> float:
-    """The lowest next acceleration within the comfortable jerk, m/s²: the throttle may be released at once."""
-    return min(acceleration, 0.0) - COMFORT_JERK * period
+def gentlest_brake(acceleration: float, period: float, jerk: float) -> float:
+    """The lowest next acceleration within the comfortable `jerk` (m/s³), m/s²: the throttle may be released at once."""
+    return min(acceleration, 0.0) - jerk * period
 
 
 def paper_grid(limits: VehicleLimits, speed: float, period: float) -> CommandGrid:
@@ -69,7 +68,8 @@ def lattice(limits: VehicleLimits, speed: float, acceleration: float, period: fl
     Three accelerations span the comfortable jerk about the present `acceleration`, three brake ever harder. After harder
     braking than planned they lie about the planned one: an emergency ends at once.
     """
-    planned, emergency, change = limits.planned_deceleration, limits.emergency_deceleration, COMFORT_JERK * period
+    planned, emergency = limits.planned_deceleration, limits.emergency_deceleration
+    change = limits.parameters.comfort_jerk * period
     gentle = max(acceleration, -planned) + change * _JERK_LEVELS
     hard = (-emergency, -0.5 * (planned + emergency), -planned)
     nodes = np.unique(np.clip(np.concatenate((hard, gentle)), -emergency, limits.max_acceleration))

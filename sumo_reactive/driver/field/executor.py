@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, lattice, paper_grid, wide_grid
-from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command
+from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
@@ -23,15 +23,7 @@ from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour, Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
-from sumo_reactive.driver.parameters import (
-    COMFORT_JERK,
-    PRESSING_GAIN,
-    ROLLING_SHARE,
-    SLOT_HEADWAY_S,
-    SPEED_APPROACH_S,
-    STOP_LINE_MARGIN_M,
-    TIME_TOLERANCE_S,
-)
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import (
@@ -143,10 +135,10 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     for constraint in completed.constraints:
         if not constraint.is_hard:
             continue
-        away = constraint.s - STOP_LINE_MARGIN_M - front
+        away = constraint.s - snapshot.parameters.stop_line_margin_m - front
         asked = stopping_speed(away, comfort, period)
-        is_near = away * 2.0 * ROLLING_SHARE * comfort < speed * speed
-        if constraint.time < math.inf and is_near and has(Mechanism.TIMES):
+        is_near = away * 2.0 * snapshot.parameters.rolling_share * comfort < speed * speed
+        if constraint.time < math.inf and is_near and snapshot.parameters.has(Mechanism.TIMES):
             left = constraint.time - snapshot.time
             rolling = cruise_speed(speed, constraint.s - front, left, math.inf, limits.max_acceleration)
             asked = min(asked, _gently(speed, rolling, period))
@@ -163,7 +155,7 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
         slot = _slot(snapshot, constraint.behind) if constraint.behind else None
         if slot is not None:
             gap = slot.ahead - slot.user.body.length
-            following = following_speed(gap, slot.user.speed, comfort, SLOT_HEADWAY_S)
+            following = following_speed(gap, slot.user.speed, comfort, snapshot.parameters.slot_headway_s)
             wish = _lower(wish, following, speed, _Braking(comfort), period, "")
     return wish if wish.speed >= 0.0 else wish._replace(speed=0.0)
 
@@ -184,11 +176,11 @@ def _braking(speed: float, final: float, away: float, room: float, limits: Vehic
     planned = limits.planned_deceleration
     needed = _needed(speed, final, max(away, BRAKING_SHARE * room), limits)
     is_late = needed > planned and _needed(speed, final, room, limits) > planned + HARDER_BY
-    if is_late and has(Mechanism.ROOM_TO_STOP):
+    if is_late and limits.parameters.has(Mechanism.ROOM_TO_STOP):
         return _Braking(needed, is_pressing=True, is_emergency=True)
-    onset = (speed - final) * planned / (2.0 * COMFORT_JERK)
+    onset = (speed - final) * planned / (2.0 * limits.parameters.comfort_jerk)
     is_pressing = speed * speed - final * final > 2.0 * planned * max(room - onset, 0.0) and speed > final
-    return _Braking(min(comfort + PRESSING_GAIN * max(needed - comfort, 0.0), planned), is_pressing)
+    return _Braking(min(comfort + limits.parameters.pressing_gain * max(needed - comfort, 0.0), planned), is_pressing)
 
 
 def _easing(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, comfort: float) -> _Braking:
@@ -242,7 +234,7 @@ def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
 def _targets(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstraint]:
     """Yield the (l, t_l) ahead that set no more than the desired speed; of those of the schedule the next one."""
     schedule = False
-    for one in completed.constraints if has(Mechanism.TIMES) else ():
+    for one in completed.constraints if snapshot.parameters.has(Mechanism.TIMES) else ():
         if one.s > snapshot.front and not one.is_hard and one.time < math.inf:
             if one.reason is not Reason.ON_SCHEDULE or not schedule:
                 yield one
@@ -257,10 +249,11 @@ def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits,
     road = plan.speed_limits.item(min(max(sample, 0), len(plan.speed_limits) - 1))
     best = min([road, *(one.speed for one in completed.constraints if one.s <= snapshot.front)])
     for target in _targets(snapshot, completed):
-        left = target.time - snapshot.time - (TIME_TOLERANCE_S if target.reason is Reason.ON_SCHEDULE else 0.0)
+        tolerance = snapshot.parameters.time_tolerance_s if target.reason is Reason.ON_SCHEDULE else 0.0
+        left = target.time - snapshot.time - tolerance
         timely = cruise_speed(speed, target.s - snapshot.front, left, road, acceleration)
         best = min(best, timely if target.reason is Reason.ON_SCHEDULE else _gently(speed, timely, period))
-    return speed + (best - speed) * min(1.0, period / SPEED_APPROACH_S) if best > speed else best
+    return speed + (best - speed) * min(1.0, period / snapshot.parameters.speed_approach_s) if best > speed else best
 
 
 def _gently(speed: float, wanted: float, period: float) -> float:
@@ -268,11 +261,11 @@ def _gently(speed: float, wanted: float, period: float) -> float:
     return wanted if wanted >= speed else speed + (wanted - speed) * min(1.0, period / ROLLING_APPROACH_S)
 
 
-def _without_jerk(wish: Wish, ego: VehicleState, period: float) -> float:
-    """Bound the fall of v_d by the comfortable jerk as long as nothing presses (m/s)."""
+def _without_jerk(wish: Wish, ego: VehicleState, period: float, jerk: float) -> float:
+    """Bound the fall of v_d by the comfortable `jerk` (m/s³) as long as nothing presses (m/s)."""
     if wish.is_pressing:
         return wish.speed
-    return max(wish.speed, ego.speed + gentlest_brake(ego.acceleration, period) * period)
+    return max(wish.speed, ego.speed + gentlest_brake(ego.acceleration, period, jerk) * period)
 
 
 def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) -> float:
@@ -286,7 +279,7 @@ def _needed(speed: float, final: float, distance: float, limits: VehicleLimits) 
 def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = HARD_STOP_MARGIN_M) -> float:
     """Way (m) in which the hardest braking must stop the front bumper: `margin` m before line or region, behind leaders."""
     room = math.inf
-    if not has(Mechanism.ROOM_TO_STOP):
+    if not snapshot.parameters.has(Mechanism.ROOM_TO_STOP):
         return room
     for constraint in completed.constraints:
         if constraint.is_hard:
@@ -325,7 +318,7 @@ def execute(
         return Execution(command, state, state.speed, NO_POTENTIALS, emergency=False)
     ego = snapshot.ego
     wish = desired_speed(snapshot, completed, limits, period)
-    wanted = _without_jerk(wish, ego, period)
+    wanted = _without_jerk(wish, ego, period, limits.parameters.comfort_jerk)
     if wanted <= 0.0 and ego.speed == 0.0 and not nine_commands:  # there is nothing to choose
         return Execution(Command(0.0, 0.0), replace(ego, acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
     grid = paper_grid(limits, ego.speed, period) if nine_commands else lattice(limits, ego.speed, ego.acceleration, period)
@@ -351,7 +344,7 @@ def _choose(
     valley: ValleyMap,
 ) -> tuple[Command, int, Potentials, VehicleState]:
     """Return the command, the verdict on it, its potentials and the state that it leads to."""
-    ego, curve, w = snapshot.ego, completed.plan.curve, _weights(completed)
+    ego, curve, w = snapshot.ego, completed.plan.curve, _weights(completed, limits.parameters)
     p = ego.pose
     lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
     car = np.array(
@@ -378,22 +371,18 @@ def _choose(
     acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
         car, grid.accelerations, grid.steering_rates, grid.rounds, period, room, *aims,
         curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
-        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room, driver_of(limits.parameters),
     )  # fmt: skip
     potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
     state = VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
     return Command(acceleration, rate), verdict, potentials, state
 
 
-def _weights(completed: CompletedPlan) -> Weights:
+def _weights(completed: CompletedPlan, parameters: Parameters) -> Weights:
     """Return w₁, w₂, w₃ of the instruction."""
     w = completed.tuning.weights
-    if not has(Mechanism.MINIMUM):
-        return Weights(0.0, 0.0, 0.0)
     return Weights(
-        w.valley if has(Mechanism.VALLEY) else 0.0,
-        w.shadow if has(Mechanism.SHADOW) else 0.0,
-        w.velocity if has(Mechanism.VELOCITY) else 0.0,
+        w.valley * parameters.valley_share, w.shadow * parameters.shadow_share, w.velocity * parameters.velocity_share
     )
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.field.collision import braking_collides
 from sumo_reactive.driver.field.foreseen_shadow import foreseen_potential, foreseen_shadows
@@ -15,16 +16,7 @@ from sumo_reactive.driver.field.valley import least_to_static, valley_potential
 from sumo_reactive.driver.field.valley_map import map_potential
 from sumo_reactive.driver.field.velocity import velocity_potential
 from sumo_reactive.driver.geometry.curve import project_on_curve
-from sumo_reactive.driver.parameters import (
-    COLLISION_HORIZON_S,
-    CONTROL_PERIOD_S,
-    LOOK_AHEAD_GROWTH,
-    LOOK_AHEAD_S,
-    PAPER_CONTROL_PERIOD_S,
-    SHADOW_SCALE,
-    VALLEY_ATTRACTION,
-    VALLEY_REPULSION,
-)
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 
 SHADOW_HORIZON_M = 40.0
@@ -45,7 +37,7 @@ _HARDER = 1e9
 
 _WINDOW_M = 2.0
 
-HOLD_PARTS = round(PAPER_CONTROL_PERIOD_S / CONTROL_PERIOD_S)
+HOLD_PARTS = 5
 """Parts in which a held command is driven."""
 
 MAP_STEERINGS = 2
@@ -61,16 +53,32 @@ MIN_MAP_SPEED = 2.0
 """m/s; …driven at least so fast, so that a standing car knows where to steer and may start beside C."""
 
 
+ALPHA, BETA, K0, CLEARANCE, AHEAD_S, AHEAD_GROWTH, TESTED_S = range(7)
+"""Places in `driver` (7) of α (1/m), β, k₀ (s), the room beside others (m), the look-ahead (s, s²/m), and of how far
+footprints are tested (s)."""
+
+
+@kept(1)
+def driver_of(parameters: Parameters) -> Array:
+    """Return what the kernels read of the driver's parameters, (7,): an array is the cheapest to hand over."""
+    p = parameters
+    read = (
+        p.valley_attraction, p.valley_repulsion, p.shadow_scale, p.clearance_m, p.look_ahead_s, p.look_ahead_growth,
+        p.collision_horizon_s,
+    )  # fmt: skip
+    return np.array(read)
+
+
 @kernel
-def look_ahead(speed: float) -> float:
+def look_ahead(speed: float, driver: Array) -> float:
     """Return the way (m) after which F is looked at, at `speed` (m/s)."""
-    return max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
+    return float(max(speed * (driver[AHEAD_S] + driver[AHEAD_GROWTH] * speed), MIN_LOOK_AHEAD_M))
 
 
 @kernel
 def leads_to(
     x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float,
+    cx: Array, cy: Array, ch: Array, step: float, s: float, driver: Array,
 ) -> float:  # fmt: skip
     """Return how far to the left of C (m) F will be a look-ahead after a pose if its velocity keeps the angle to C that it
     has in the middle of the period: zero for a car that follows C, whatever the curvature."""
@@ -80,7 +88,7 @@ def leads_to(
     i = min(max(int(u), 0), len(ch) - 2)
     along = ch[i] + min(max(u - i, 0.0), 1.0) * (ch[i + 1] - ch[i])
     turned = 0.5 * speed * math.sin(angle) / wheelbase * period
-    return d + look_ahead(speed) * math.sin(heading - turned + angle - along)
+    return d + look_ahead(speed, driver) * math.sin(heading - turned + angle - along)
 
 
 @kernel
@@ -148,7 +156,7 @@ def expand(
 def valley_of_command(
     state: Array, pose: tuple[float, float, float], speed: float, angle: float, turn: float, limits: Array, period: float,
     cx: Array, cy: Array, ch: Array, step: float, s: float, sides: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float,
+    bitmaps: Array, x0: float, y0: float, cell: float, driver: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """Return U₁ of the command that leads from `state` (5) to `pose`, `speed` (m/s) and steering `angle` (rad) within the
     period, and how far to the left of C (m) it leads, which the bitmaps do not tell.
@@ -157,8 +165,8 @@ def valley_of_command(
     from the body on C to O_S on the left and right.
     """
     if len(bitmaps) == 0:
-        d = leads_to(pose[0], pose[1], pose[2], speed, angle, limits[0], period, cx, cy, ch, step, s)
-        return valley_potential(abs(d), min(sides[2] - d, sides[3] + d), VALLEY_ATTRACTION, VALLEY_REPULSION), d
+        d = leads_to(pose[0], pose[1], pose[2], speed, angle, limits[0], period, cx, cy, ch, step, s, driver)
+        return valley_potential(abs(d), min(sides[2] - d, sides[3] + d), driver[ALPHA], driver[BETA]), d
     x, y, heading = ramped(state[0], state[1], state[2], state[3], state[4], speed, angle, limits[0], period)
     v = max(speed, MIN_MAP_SPEED)
     return mapped_valley(x, y, heading, v, angle, turn, limits, period, bitmaps, x0, y0, cell), 0.0
@@ -168,7 +176,7 @@ def valley_of_command(
 def best_of(
     car: Array, accelerations: Array, rates: Array, fine: bool, turn: float, period: float, room: float, wanted: float,
     lowest: float, cx: Array, cy: Array, ch: Array, step: float, s: float, sides: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, corners: Array, shadows: Array,
+    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, corners: Array, shadows: Array, driver: Array,
 ) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
     steering angle where it leads.
@@ -208,22 +216,22 @@ def best_of(
         if grown[best] == 0:
             x, y, h = poses[best] = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
             terms[best, 0], leads[best] = valley_of_command(
-                state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell
+                state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, driver
             )
             total[best] = weights[0] * terms[best, 0] + of_speed[best] + (_HARDER if v < lowest - 1e-6 else 0.0)
             grown[best] = 1
         elif grown[best] == 1 and casts:
             terms[best, 1] = (
                 shadow_sum(
-                    x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, SHADOW_SCALE, SHADOW_HORIZON_M
+                    x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, driver[K0], SHADOW_HORIZON_M
                 )
                 if is_mapped
-                else foreseen_potential(shadows, leads[best], sides)
+                else foreseen_potential(shadows, leads[best], sides, driver[CLEARANCE])
             )
             total[best] += weights[1] * terms[best, 1]
             grown[best] = 2
         elif braking_collides(
-            x, y, h, v, angle, limits[0], limits[1], limits[2], limits[3], limits[7], boxes, period, COLLISION_HORIZON_S,
+            x, y, h, v, angle, limits[0], limits[1], limits[2], limits[3], limits[7], boxes, period, driver[TESTED_S],
             COLLISION_STEP_S,
         ):  # fmt: skip
             total[best] = np.inf
@@ -238,7 +246,7 @@ def best_of(
             continue
         pose = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
         terms[k, 0], _ = valley_of_command(
-            state, pose, v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell
+            state, pose, v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, driver
         )
         if terms[k, 0] < least:
             fallback, least = k, terms[k, 0]
@@ -255,13 +263,14 @@ def choose_command(
     car: Array, accelerations: Array, rates: Array, rounds: int, period: float, room: float, wanted: float, lowest: float,
     cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
     bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, left: float, right: float,
+    driver: Array,
 ) -> tuple[float, float, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return acceleration, steering rate, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃ of the chosen command, and x, y,
     heading, speed, steering angle where it leads.
 
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ of the lattice `accelerations` × `rates`, then of ever finer lattices
     around it, `rounds` times. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8)
-    cast U₂ and are tested for contact. The ego may lean `left` and `right` (m) of C.
+    cast U₂ and are tested for contact. The ego may lean `left` and `right` (m) of C. `driver` (7): see `driver_of`.
     """
     turn, half = rates[-1] * period, 0.5 * car[8]
     sides = np.array((left, right, np.inf, np.inf))
@@ -270,12 +279,14 @@ def choose_command(
         corners = corners_of(boxes)
     else:
         front, behind = car[6] - car[5], car[7] - car[6] + car[5]
-        sides[2], sides[3] = least_to_static(static, cx, cy, ch, step, s, half, front + look_ahead(car[3]), behind)
+        sides[2], sides[3] = least_to_static(static, cx, cy, ch, step, s, half, front + look_ahead(car[3], driver), behind)
         if len(boxes) > 0 and car[15] > 0.0:
-            shadows = foreseen_shadows(boxes, car[3], half, front, behind, cx, cy, ch, step, s, sides)
+            shadows = foreseen_shadows(
+                boxes, car[3], half, front, behind, cx, cy, ch, step, s, sides, driver[K0], driver[CLEARANCE]
+            )
     index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
         car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides,
-        bitmaps, x0, y0, cell, boxes, corners, shadows,
+        bitmaps, x0, y0, cell, boxes, corners, shadows, driver,
     )  # fmt: skip
     i, j = index // len(rates), index % len(rates)
     for half in range(2 * rounds):
@@ -287,6 +298,7 @@ def choose_command(
         index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
             car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1], True, turn,
             period, room, wanted, lowest, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, boxes, corners, shadows,
+            driver,
         )  # fmt: skip
         if steers:
             j = index

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.snapshot import NEAR_M
-from sumo_reactive.driver.parameters import CLEARANCE_M, SHADOW_SCALE
 
 Array = NDArray[np.float64]
 
@@ -86,14 +85,15 @@ def _extent(box: Array, angle: float, along: float, left: float, bend: float) ->
 @kernel
 def foreseen_shadows(
     boxes: Array, speed: float, half: float, ahead: float, behind: float, cx: Array, cy: Array, ch: Array, step: float,
-    s: float, room: Array,
+    s: float, room: Array, scale: float, clearance: float,
 ) -> Array:  # fmt: skip
     """Return (n, 3): side (+1 left, −1 right), clearance on C (m) and weight of each body that the ego passes.
 
     R_D follows the foreseen motion: M drives along C, D keeps its speed along C and what it moves aside, so that who keeps
-    to a lane beside it stays beside in a bend. The weight is that of U_D, k₀‖v − v_D‖/δ. M's body reaches `ahead` and
-    `behind` m of its front axle, at `s` of C, and `half` m to both sides. `room` (2), m, how far M may lean to the left and
-    right, is made smaller where somebody is beside. `boxes` (n, 6 or more).
+    to a lane beside it stays beside in a bend. The weight is that of U_D, k₀‖v − v_D‖/δ, k₀ the
+    `scale`, s. M's body reaches `ahead` and `behind` m of its front axle, at `s` of C, and `half` m to both sides. `room`
+    (2), m, how far M may lean to the left and right, is made smaller where somebody is beside; `clearance` (m) is what it
+    likes to have there. `boxes` (n, 6 or more).
     """
     out, n = np.empty((len(boxes), 3)), 0
     low = max(int((s - behind - BEHIND_M) / step), 0)
@@ -102,7 +102,7 @@ def foreseen_shadows(
         box = boxes[k]
         c, w = math.cos(box[2]), math.sin(box[2])
         mx, my = box[0] - 0.5 * box[4] * c, box[1] - 0.5 * box[4] * w
-        i = _nearest(mx, my, cx, cy, low, high, step, 0.5 * (box[4] + box[5]) + half + CLEARANCE_M)
+        i = _nearest(mx, my, cx, cy, low, high, step, 0.5 * (box[4] + box[5]) + half + clearance)
         if i < 0:
             continue
         tc, ts = math.cos(ch[i]), math.sin(ch[i])
@@ -125,12 +125,12 @@ def foreseen_shadows(
         clear = near + side * aside
         after = max((max(gap, 0.0) + LEAST_WAY_M) / max(closing, 1e-3), LEAST_S)
         weight = 1.0 / after - 1.0 / LATEST_S
-        if weight <= 0.0 or beside <= 0.0 or clear >= CLEARANCE_M:
+        if weight <= 0.0 or beside <= 0.0 or clear >= clearance:
             continue
         left_over = min(beside / max(FADES_M, FADES_S * closing), 1.0)
-        out[n, 0], out[n, 2] = side, SHADOW_SCALE * weight
+        out[n, 0], out[n, 2] = side, scale * weight
         if clear > 0.0:
-            out[n, 1] = CLEARANCE_M - left_over * (CLEARANCE_M - clear)
+            out[n, 1] = clearance - left_over * (clearance - clear)
             out[n, 2] *= min(clear / IN_THE_WAY_M, 1.0)
         else:
             out[n, 1] = HIT_M
@@ -139,16 +139,17 @@ def foreseen_shadows(
 
 
 @kernel
-def foreseen_potential(shadows: Array, d: float, room: Array) -> float:
-    """U₂ = Σ_D U_D of an ego `d` m to the left of C, by the share of R_D, widened by CLEARANCE_M, in which D is.
+def foreseen_potential(shadows: Array, d: float, room: Array, clearance: float) -> float:
+    """U₂ = Σ_D U_D of an ego `d` m to the left of C, by the share of R_D, widened by the `clearance`
+    (m), in which D is.
 
-    It falls to nothing where every body of `shadows` (n, 3) is passed with CLEARANCE_M; beyond the `room` (2), m, that the
-    ego may take nothing is gained.
+    It falls to nothing where every body of `shadows` (n, 3) is passed with that clearance; beyond the `room` (2), m, that
+    the ego may take nothing is gained.
     """
     total = 0.0
     for k in range(len(shadows)):
         lean = max(d, -room[1]) if shadows[k, 0] > 0.0 else -min(d, room[0])  # towards the body
-        missing = 1.0 - max(shadows[k, 1] - lean, 0.0) / CLEARANCE_M
+        missing = 1.0 - max(shadows[k, 1] - lean, 0.0) / clearance
         if missing > 0.0:
             total += shadows[k, 2] * missing * missing
     return total

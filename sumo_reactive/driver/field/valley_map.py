@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.parameters import VALLEY_ATTRACTION, VALLEY_REPULSION
+from sumo_reactive.driver.parameters import Parameters
 
 MAP_SIDE_M = 100.0
 """Side l of the world window that a bitmap covers; a cell is l/500 = 0.2 m (F&L 1991, §4)."""
@@ -101,16 +101,17 @@ def map_potential(bitmap: Array, x: float, y: float, x0: float, y0: float, cell:
     return float(near + g * (far - near))
 
 
-def valley_bitmap(curve_x: Array, curve_y: Array, static: Array, x0: float, y0: float, cell: float) -> Array:
+def valley_bitmap(line: Array, static: Array, x0: float, y0: float, cell: float, parameters: Parameters) -> Array:
     """U_p = α·d₁(p, C) + β·d₁(p, C) / min_o d₁(p, o) over the grid, shape (CELLS, CELLS) (F&L 1991, §3.3.1).
 
-    The curve's samples (m) must lie no farther apart than a cell; `static` (k, 2) are points of O_S.
+    The samples of C, the `line` (n, 2), m, must lie no farther apart than a cell; `static` (k, 2) are points of O_S.
     """
-    distance = taxicab_transform(_drawn(curve_x, curve_y, x0, y0, cell, CELLS), cell)
+    distance = taxicab_transform(_drawn(line[:, 0], line[:, 1], x0, y0, cell, CELLS), cell)
+    attraction: Array = parameters.valley_attraction * distance
     if not len(static):
-        return VALLEY_ATTRACTION * distance
+        return attraction
     to_static = taxicab_transform(_drawn(static[:, 0], static[:, 1], x0, y0, cell, CELLS), cell)
-    result: Array = VALLEY_ATTRACTION * distance + VALLEY_REPULSION * distance / np.maximum(to_static, cell)
+    result: Array = attraction + parameters.valley_repulsion * distance / np.maximum(to_static, cell)
     return result
 
 
@@ -129,7 +130,7 @@ def rear_trace(x: Array, y: Array, heading: float, wheelbase: float) -> Array:
     return out
 
 
-def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static: Array) -> ValleyMap:
+def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static: Array, parameters: Parameters) -> ValleyMap:
     """Return U₁ of F and R in a window of `MAP_SIDE_M` around the place at `s` of C; `heading` is the car's there."""
     cell = MAP_SIDE_M / CELLS
     x, y, _ = curve.at(s)
@@ -138,6 +139,6 @@ def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static:
     samples = np.arange(len(curve.x)) * curve.step
     fx, fy = np.interp(arc, samples, curve.x), np.interp(arc, samples, curve.y)
     rear = rear_trace(fx, fy, heading, wheelbase)
-    traces = ((fx, fy), (rear[:, 0], rear[:, 1]))
-    bitmaps = np.stack([valley_bitmap(px, py, static, x0, y0, cell) for px, py in traces])
+    traces = (np.column_stack((fx, fy)), rear)
+    bitmaps = np.stack([valley_bitmap(trace, static, x0, y0, cell, parameters) for trace in traces])
     return ValleyMap(bitmaps, x0, y0, cell)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from sumo_reactive.driver.parameters import EXCESSIVE_DELAY_S
-
 
 class Outcome(Enum):
     """How a manoeuvre ends if everybody goes on as now."""
@@ -34,11 +32,6 @@ class Assessment(NamedTuple):
     lateness: float
     constraint: float
     encounter: Encounter | None = None
-
-    @property
-    def is_late(self) -> bool:
-        """Whether the delay is excessive."""
-        return self.lateness > EXCESSIVE_DELAY_S
 
 
 NOT_ASSESSED = Assessment(Outcome.FINE, 0.0, 0.0)

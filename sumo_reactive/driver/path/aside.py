@@ -15,7 +15,6 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
 from sumo_reactive.driver.geometry.swept import swept_sides
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
@@ -82,7 +81,7 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
     """
     shift = np.zeros(len(line))
     room = np.maximum(half_widths + BEYOND_M - 0.5 * limits.width, 0.0)
-    needed = 0.5 * limits.width + CORRIDOR_MARGIN_M + SPARE_M
+    needed = 0.5 * limits.width + limits.parameters.corridor_margin_m + SPARE_M
     for connection, start, end in reference.passages:
         first, last = max(int(start / CURVE_STEP_M), 0), min(int(end / CURVE_STEP_M) + 1, len(line) - 1)
         junction = reference.graph.junctions.get(connection.junction_id)

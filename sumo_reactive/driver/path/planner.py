@@ -10,7 +10,6 @@ from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
-from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
@@ -90,7 +89,7 @@ def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_cl
         before = _piece_at(reference, began).route_index  # of the edge before the junction
         around = road_around(reference.graph, connection.id, route.edges, before, limits)
         turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class, around)
-        if turn is None or began - turn.before - STOP_LINE_MARGIN_M <= limits.front_overhang - LATE_M:
+        if turn is None or began - turn.before - limits.parameters.stop_line_margin_m <= limits.front_overhang - LATE_M:
             continue
         start = began - turn.before
         own = _piece_at(reference, start)

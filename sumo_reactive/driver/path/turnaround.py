@@ -17,7 +17,6 @@ from sumo_reactive.driver.geometry.polyline import Floats, Polyline
 from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.state import Pose
-from sumo_reactive.driver.parameters import STOP_LINE_MARGIN_M
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.path.trajectory import CurveStart, trajectory
 from sumo_reactive.driver.path.turning import STEERING_MARGIN, U_TURN_RAD
@@ -265,7 +264,7 @@ def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> lis
     for more in BEGINNINGS_M:
         before = hold_back + more
         if before < spine.length:
-            place = spine.length - before - STOP_LINE_MARGIN_M
+            place = spine.length - before - limits.parameters.stop_line_margin_m
             front = Pose(*spine.at(place), spine.heading_at(place))
             found.append((before, Pose(*front.ahead(-limits.front_to_rear_axle), front.heading)))
     return found

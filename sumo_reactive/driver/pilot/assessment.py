@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
@@ -18,7 +18,7 @@ from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Forecast
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Foe, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import ASSESSED_S, EXCESSIVE_DELAY_S, MAX_ACCELERATION_IN_PLAN
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, is_enough
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
@@ -121,7 +121,7 @@ def simulate(
     ego = snapshot.ego
     drive_ahead(
         snapshot.s, ego.pose.heading, ego.speed, way.x, way.y, way.heading, way.speed_limits, way.step,
-        math.inf if stop is None else stop.s, leaders, min(limits.max_acceleration, MAX_ACCELERATION_IN_PLAN),
+        math.inf if stop is None else stop.s, leaders, limits.acceleration_in_plan,
         limits.comfort_deceleration, headway * limits.time_headway, limits.standstill_gap, limits.wheelbase,
         limits.front_overhang, ASSESSMENT_STEP_S, out,
     )  # fmt: skip
@@ -147,11 +147,11 @@ def assess(
     limits: VehicleLimits,
     trusted: Collection[str],
 ) -> Assessment:
-    """Return how the plan ends if the ego goes on for ASSESSED_S: fine, late for `target`, or in touch with somebody.
+    """Return how the plan ends if the ego goes on for a while: fine, late for `target`, or in touch with somebody.
 
     Who comes from behind has to look out himself, and so has who is `trusted` to yield and still can.
     """
-    trace = simulate(snapshot, way_of(plan), stop, leader_table(snapshot), limits, ASSESSED_S)
+    trace = simulate(snapshot, way_of(plan), stop, leader_table(snapshot), limits, snapshot.parameters.assessed_s)
     late = max(plan.delay(float(trace[-1, 4]), snapshot.time + len(trace) * ASSESSMENT_STEP_S), 0.0)
     speeds = _speeds(snapshot, forecast, limits, trusted)
     k, n = first_contact(
@@ -159,17 +159,19 @@ def assess(
         np.zeros(len(speeds)), ASSESSMENT_STEP_S, PATH_STEP_M,
     )  # fmt: skip
     place = target.s if target else plan.curve.length
-    if k >= 0 and has(Mechanism.FAILURE):
+    if k >= 0 and snapshot.parameters.has(Mechanism.FAILURE):
         x, y, _, _, s = trace[n].tolist()
         meets = Encounter(forecast.user_ids[k], snapshot.time + n * ASSESSMENT_STEP_S, s + limits.front_overhang, x, y)
         return Assessment(Outcome.FAILURE, late, place, meets)
-    return Assessment(Outcome.DEGRADED if late > EXCESSIVE_DELAY_S else Outcome.FINE, late, place)
+    return Assessment(Outcome.DEGRADED if late > snapshot.parameters.excessive_delay_s else Outcome.FINE, late, place)
 
 
-def would_meet(own: Passing, foe: Foe, other: Threat, patience: float, *, may_follow: bool) -> bool:
+def would_meet(
+    own: Passing, foe: Foe, other: Threat, parameters: Parameters, patience: float = 1.0, *, may_follow: bool
+) -> bool:
     """Whether an ego that goes on and a foe that does would be in a region at the same time, but for too small a gap: a
     FAILURE of the plan there, and the reason to ask who gives way. `patience` (0..1] scales the gaps."""
-    return has(Mechanism.FAILURE) and not is_enough(own, foe, other, patience, may_follow=may_follow)
+    return parameters.has(Mechanism.FAILURE) and not is_enough(own, foe, other, parameters, patience, may_follow=may_follow)
 
 
 def failing_at(assessment: Assessment, met: Encounter | None) -> Assessment:

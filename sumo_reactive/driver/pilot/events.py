@@ -12,15 +12,6 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import (
-    BEHAVIOUR_TOLERANCE,
-    DELAY_STEP_S,
-    NO_PROGRESS_S,
-    OFF_NOMINAL_SPEED,
-    TIME_TOLERANCE_S,
-    TRUST_AHEAD_S,
-    TRUST_S,
-)
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
 from sumo_reactive.driver.pilot.behaviours.turning_round import is_in_reach
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
@@ -75,7 +66,7 @@ def premises_of(
     stages = _stages(snapshot, plan, ahead, regions)
     is_seeking = seeks(snapshot, plan)
     near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
-    trust = TRUST_S if near else TRUST_AHEAD_S
+    trust = view.limits.parameters.trust_s if near else view.limits.parameters.trust_ahead_s
     asks = Rule.REGION in RULES[made.behaviour].asks
     watches = (snapshot.foes and asks) or is_watchful or is_seeking
     return Premises(
@@ -109,6 +100,7 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list
     if premises.is_settled:
         return found
     speeds, trusted = _speeds(snapshot, premises.asks), premises.speeds
+    tolerance = snapshot.parameters.behaviour_tolerance
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
         if speed == foreseen:
@@ -117,7 +109,7 @@ def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list
             found.append(Event(EventKind.NEW_OBSTACLE, user_id))
         elif speed < foreseen and user_id not in premises.heeded:
             continue  # who did not matter does not when he slows down
-        elif abs(speed - foreseen) > BEHAVIOUR_TOLERANCE or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
+        elif abs(speed - foreseen) > tolerance or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
     stop = held.stop
     if stop is not None and _is_gone(stop, snapshot, premises, speeds):
@@ -172,7 +164,7 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
         found.append(Event(EventKind.TIME_REACHED))
     if not premises.is_settled:
         found += _late(snapshot, held, memory)
-    if now - memory.progress_time > NO_PROGRESS_S * (memory.escapes + 1):
+    if now - memory.progress_time > snapshot.parameters.no_progress_s * (memory.escapes + 1):
         found.append(Event(EventKind.NO_PROGRESS))
     if held.move is not None and held.move.is_over(snapshot.ego):
         found.append(Event(EventKind.MOVE_ENDED))
@@ -187,10 +179,10 @@ def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[
     front = snapshot.front
     for target in held.constraints:
         if target.reason is Reason.ON_SCHEDULE and target.s > front:
-            if snapshot.time > target.time + TIME_TOLERANCE_S:
+            if snapshot.time > target.time + snapshot.parameters.time_tolerance_s:
                 found.append(Event(EventKind.CONSTRAINT_MISSED))
             break
-    if held.plan.delay(snapshot.s, snapshot.time) > memory.delay + DELAY_STEP_S:
+    if held.plan.delay(snapshot.s, snapshot.time) > memory.delay + snapshot.parameters.delay_step_s:
         found.append(Event(EventKind.DELAY))
     return found
 
@@ -203,13 +195,13 @@ def _speeds(snapshot: Snapshot, asks: bool) -> dict[str, float]:
 
 
 def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
-    return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > OFF_NOMINAL_SPEED
+    return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > snapshot.parameters.off_nominal_speed
 
 
 def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]) -> tuple[tuple[int, ...], ...]:
     """Return for each passage in sight the ego's stage, its index and how many of `regions` the front bumper has reached."""
     front = snapshot.front
-    reach = reach_of(snapshot.ego.speed)
+    reach = reach_of(snapshot)
     found = []
     for i, connection, conflicts in ahead:
         if not conflicts and connection.light is None:

@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M, MERGE_MARGIN_S, OVERTAKING_MARGIN_S, OVERTAKING_S, SLOWER_BY
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import ASSESSMENT_STEP_S, Way, first_contact, followed, leader_table, simulate
 from sumo_reactive.driver.pilot.instructions import PASSING_HEADWAY
 from sumo_reactive.driver.pilot.passed import FIND_REACH_M, Passed, lateral_for, legal_end, passed
@@ -47,11 +47,15 @@ class Margin(NamedTuple):
     room: float
 
 
-BEFORE = Margin(OVERTAKING_MARGIN_S, MERGE_MARGIN_S, PROOF_ROOM_M)
-"""Asked for before the ego pulls out."""
+def before(parameters: Parameters) -> Margin:
+    """Return what is asked for before the ego pulls out."""
+    return Margin(parameters.overtaking_margin_s, parameters.merge_margin_s, PROOF_ROOM_M)
 
-UNDER_WAY = Margin(UNDER_WAY_SHARE * OVERTAKING_MARGIN_S, UNDER_WAY_SHARE * MERGE_MARGIN_S, 0.0)
-"""Asked for while it passes: less, so that a small error does not call it back."""
+
+def under_way(parameters: Parameters) -> Margin:
+    """Return what is asked for while it passes: less, so that a small error does not call it back."""
+    share = UNDER_WAY_SHARE
+    return Margin(share * parameters.overtaking_margin_s, share * parameters.merge_margin_s, 0.0)
 
 
 def proof(situation: Situation, x: PathObstacle) -> Proof:
@@ -60,22 +64,23 @@ def proof(situation: Situation, x: PathObstacle) -> Proof:
     lateral, lane = lateral_for(situation, target)
     if lateral == 0.0:
         return Proof(None, "no lane to pass on")
-    return prove(situation, target, lateral, lane, legal_end(situation, target, lane))
+    end = legal_end(situation, target, lane)
+    return prove(situation, target, lateral, lane, end, before(situation.limits.parameters))
 
 
 def prove(
-    situation: Situation, x: Passed, lateral: float, lane: LaneBeside | None, end: float, margin: Margin = BEFORE
+    situation: Situation, x: Passed, lateral: float, lane: LaneBeside | None, end: float, margin: Margin
 ) -> Proof:
     """Return the proof for passing X `lateral` m beside C, on `lane` (None: the own one), back by `end` (m of C).
 
     `margin`: what it must leave to the others.
     """
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
-    way = _way_out(situation, x, lateral)
-    trace = simulate(snapshot, way, None, _leaders(situation, x, lateral), limits, OVERTAKING_S, headway=PASSING_HEADWAY)
+    way, longest = _way_out(situation, x, lateral), limits.parameters.overtaking_s
+    trace = simulate(snapshot, way, None, _leaders(situation, x, lateral), limits, longest, headway=PASSING_HEADWAY)
     fronts = x.front + x.speed * ASSESSMENT_STEP_S * np.arange(len(trace))
     rear = trace[:, 4] + limits.front_overhang - limits.length
-    clear = rear >= fronts + x.gap
+    clear = rear >= fronts + x.gap(limits.parameters)
     if not clear.any():
         return Proof(None, "no room to swing out" if x.is_halted else f"{x.user_id} is too fast to pass")
     at = int(np.argmax(clear))
@@ -102,7 +107,8 @@ def _way_back(lateral: float, speed: float, room: float, limits: VehicleLimits) 
 def _way_out(situation: Situation, x: Passed, lateral: float) -> Way:
     """Return the way aside without an end: along C as far as it already leads aside, else moved out from here."""
     plan, snapshot, limits = situation.plan, situation.snapshot, situation.limits
-    reach = OVERTAKING_S * (max(snapshot.ego.speed, plan.road_speed(snapshot.s)) + SLOWER_BY)
+    faster = max(snapshot.ego.speed, plan.road_speed(snapshot.s)) + limits.parameters.slower_by
+    reach = limits.parameters.overtaking_s * faster
     whole, samples = _along(plan, snapshot.s + reach)
     if plan.aside is not None:
         return displaced(whole, lateral - lateral_of(plan.aside, samples), plan.aside.back)
@@ -138,7 +144,7 @@ def _leaders(situation: Situation, x: Passed, lateral: float) -> Array:
     """Return the leaders for the simulation: X until the way past it leads aside, the others for ever."""
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
-    needed = (x.left if lateral > 0.0 else -x.right) + 0.5 * limits.width + CORRIDOR_MARGIN_M
+    needed = (x.left if lateral > 0.0 else -x.right) + 0.5 * limits.width + limits.parameters.corridor_margin_m
     share = float(np.interp(needed / abs(lateral), _MADE, _SHARES))
     beside = snapshot.s + share * out if plan.aside is None else share * plan.joins
     table = leader_table(snapshot)
@@ -150,7 +156,7 @@ def _leaders(situation: Situation, x: Passed, lateral: float) -> Array:
 def _is_in_sight(situation: Situation, lane: LaneBeside, until: float, duration: float) -> bool:
     """Whether somebody who comes into sight now on the oncoming lane, at its speed limit, is met only after the return."""
     sight = situation.snapshot.front + situation.outlook.sight
-    return sight - lane.speed_limit * (duration + BEFORE.oncoming) > until
+    return sight - lane.speed_limit * (duration + before(situation.limits.parameters).oncoming) > until
 
 
 def _meeting(situation: Situation, trace: Array, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
-from sumo_reactive.driver.parameters import CAUTIOUS_AHEAD_M, CAUTIOUS_AHEAD_S, COMFORT_DECELERATION
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
 
@@ -51,9 +50,10 @@ class Crossing(NamedTuple):
         return self.passage.start + inside * self.scale + path_length - inside
 
 
-def reach_of(speed: float) -> float:
-    """How far ahead (m) an ego at `speed` (m/s) drives cautiously: the times of the approach, and its way to stop."""
-    return CAUTIOUS_AHEAD_M + CAUTIOUS_AHEAD_S * speed + speed * speed / (2.0 * COMFORT_DECELERATION)
+def reach_of(snapshot: Snapshot) -> float:
+    """How far ahead (m) the ego drives cautiously: the way and the time of the approach, and its way to stop."""
+    p, speed = snapshot.parameters, snapshot.ego.speed
+    return p.cautious_ahead_m + p.cautious_ahead_s * speed + speed * speed / (2.0 * p.comfort_deceleration)
 
 
 class View(NamedTuple):

@@ -14,13 +14,7 @@ from sumo_reactive.driver.nouns.plan import lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M
-from sumo_reactive.driver.parameters import (
-    OVERTAKING_END_M,
-    PASSING_CLEARANCE_M,
-    RETURN_GAP_M,
-    RETURN_HEADWAY_S,
-    TWO_WHEELER_CLEARANCE_M,
-)
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.situation import Situation
 
 HALTED_END_M = 3.0
@@ -48,10 +42,9 @@ class Passed(NamedTuple):
     width: float
     is_halted: bool
 
-    @property
-    def gap(self) -> float:
+    def gap(self, parameters: Parameters) -> float:
         """What the ego leaves in front of X before it comes back, m."""
-        return HALTED_GAP_M if self.is_halted else RETURN_GAP_M + RETURN_HEADWAY_S * self.speed
+        return HALTED_GAP_M if self.is_halted else parameters.return_gap_m + parameters.return_headway_s * self.speed
 
 
 def passed(situation: Situation, x: PathObstacle) -> Passed:
@@ -68,8 +61,8 @@ def passed(situation: Situation, x: PathObstacle) -> Passed:
 def lateral_for(situation: Situation, x: Passed) -> tuple[float, LaneBeside | None]:
     """Return how far to the left of C the ego must run to pass X (m; right in left-hand traffic), and the lane that it
     uses for that: None when its own is wide enough. (0, None) when there is no lane."""
-    limits, outlook = situation.limits, situation.outlook
-    clearance = TWO_WHEELER_CLEARANCE_M if x.width < TWO_WHEELER_WIDTH_M else PASSING_CLEARANCE_M
+    limits, outlook, p = situation.limits, situation.outlook, situation.limits.parameters
+    clearance = p.two_wheeler_clearance_m if x.width < TWO_WHEELER_WIDTH_M else p.passing_clearance_m
     beside = outlook.beside[0] if outlook.beside and outlook.beside[0].start <= situation.snapshot.front else None
     side = -1.0 if beside is not None and beside.lateral < 0.0 else 1.0
     needed = (x.left if side > 0.0 else -x.right) + clearance + 0.5 * limits.width
@@ -90,7 +83,7 @@ def legal_end(situation: Situation, x: Passed, lane: LaneBeside | None) -> float
     way to a lane change or a stop.
     """
     plan, front = situation.plan, situation.snapshot.front
-    away = HALTED_END_M if x.is_halted else OVERTAKING_END_M
+    away = HALTED_END_M if x.is_halted else situation.limits.parameters.overtaking_end_m
     ends = [p.start - away for p in plan.passages if p.end > front]
     ends += [change.start for change in plan.lane_changes if change.end > front]
     ends += [stop.s for stop in plan.stops if stop.s > front]
@@ -119,7 +112,7 @@ def find(situation: Situation, user_id: str) -> Passed | None:
 def is_clear_of(situation: Situation, x: Passed) -> bool:
     """Whether the ego may come back in front of X: its rear is a gap and a headway ahead."""
     rear = situation.snapshot.front - situation.limits.length
-    return rear >= x.front + x.gap
+    return rear >= x.front + x.gap(situation.limits.parameters)
 
 
 def lane_in_use(situation: Situation, lateral: float) -> LaneBeside | None:

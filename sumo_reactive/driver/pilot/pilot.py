@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import NamedTuple
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.assessment import Assessment
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import FOE_PATIENCE_S, LEAST_PATIENCE_S, OVERTAKING_SIGHT_M, PROGRESS_M
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
@@ -63,7 +63,7 @@ def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
             memory = memory._replace(standing_since=None)
     elif memory.standing_since is None:
         memory = memory._replace(standing_since=snapshot.time)
-    if abs(snapshot.s - memory.progress_s) > PROGRESS_M:
+    if abs(snapshot.s - memory.progress_s) > snapshot.parameters.progress_m:
         memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, escapes=0)
     return memory
 
@@ -172,7 +172,7 @@ def _assess(view: View, outlook: Outlook, memory: PilotMemory) -> Assessment:
 
 def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     """Return both with room kept behind somebody who has halted."""
-    keeps_room = situation.memory.overtaking is None and has(Mechanism.ESCAPE)
+    keeps_room = situation.memory.overtaking is None and situation.limits.parameters.has(Mechanism.ESCAPE)
     room = room_behind(situation) if keeps_room else None
     if room is None or (situation.stop is not None and situation.stop.s <= room.s):
         return situation, rules
@@ -252,7 +252,7 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
 
 def _escaping(situation: Situation, orders: Orders) -> Orders:
     """Return the orders with a way out of a local minimum, if the ego is in one."""
-    way, memory = escape(situation) if has(Mechanism.ESCAPE) else None, orders.memory
+    way, memory = escape(situation) if situation.limits.parameters.has(Mechanism.ESCAPE) else None, orders.memory
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if way is None:
         return orders._replace(memory=memory._replace(progress_time=situation.snapshot.time)) if due else orders
@@ -279,7 +279,7 @@ def _completed(
         plan=situation.plan,
         behaviour=behaviour,
         instruction=orders.instruction,
-        tuning=_tuning(orders.instruction, style),
+        tuning=_tuning(orders.instruction, style, situation.limits.parameters),
         constraints=constraints,
         intent=_intent(min(orders.stops, key=lambda stop: stop.s, default=None), situation),
         decisions=orders.decisions,
@@ -301,15 +301,15 @@ def _limits_of(orders: Orders, changing: LaneChanging, snapshot: Snapshot) -> tu
     return tuple(found)
 
 
-def _tuning(instruction: Instruction, style: Style) -> Tuning:
+def _tuning(instruction: Instruction, style: Style, parameters: Parameters) -> Tuning:
     tunings = PAPER_TUNINGS if style.paper else TUNINGS
-    return tunings[instruction if has(Mechanism.TUNING) else Instruction.FOLLOW_CURVE]
+    return tunings[instruction if parameters.has(Mechanism.TUNING) else Instruction.FOLLOW_CURVE]
 
 
 def _sight(situation: Situation, behaviour: Behaviour) -> float:
     """How far to look along the oncoming lane: far while the ego overtakes, or would if it had the gap."""
     wants = behaviour is Behaviour.OVERTAKING or (overtaking.follows_x(situation) and overtaking.is_legal(situation))
-    return OVERTAKING_SIGHT_M if wants else 0.0
+    return situation.limits.parameters.overtaking_sight_m if wants else 0.0
 
 
 def _intent(stop: TimeConstraint | None, situation: Situation) -> Intent:
@@ -327,5 +327,6 @@ def _lets_start(user_id: str, situation: Situation) -> bool:
     user = next((foe.user for foe in snapshot.foes if foe.user.id == user_id), None)
     if user is None or user.speed >= STANDING_SPEED:
         return False
-    patience = FOE_PATIENCE_S - LEAST_PATIENCE_S
-    return situation.memory.standing_for(snapshot.time) < patience or user.waiting_time < FOE_PATIENCE_S + patience
+    p = snapshot.parameters
+    patience = p.foe_patience_s - p.least_patience_s
+    return situation.memory.standing_for(snapshot.time) < patience or user.waiting_time < p.foe_patience_s + patience

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.event import Event, EventKind
@@ -32,7 +32,7 @@ def adjusted(
     replanning = Replanning.NOTHING
     if any(event.kind in _LATE for event in events):
         memory = memory._replace(delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
-        if not has(Mechanism.DELAYS):
+        if not snapshot.parameters.has(Mechanism.DELAYS):
             pass
         elif delays is Delays.SHIFT:
             shifted = tuple(TimeConstraint(c.s, c.time + memory.delay) for c in plan.time_constraints)

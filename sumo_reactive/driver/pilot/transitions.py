@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.pilot.behaviours import (
     backing_up,
@@ -48,7 +48,7 @@ TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
 
 def next_behaviour(situation: Situation) -> Behaviour:
     """Return the behaviour for a situation: the present one until it has ended or another one's preconditions hold."""
-    if not has(Mechanism.BEHAVIOURS):
+    if not situation.limits.parameters.has(Mechanism.BEHAVIOURS):
         return Behaviour.NORMAL
     now = situation.memory.behaviour
     if RULES[now].has_ended(situation):

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, fields
 from functools import cached_property
 
-from sumo_reactive.driver.parameters import PLANNED_DECELERATION
+from sumo_reactive.driver.parameters import USUAL, Parameters
 
 LARGEST = {"length": 100.0, "width": 10.0, "wheelbase": 100.0, "front_overhang": 100.0, "max_steering_angle": 0.5 * math.pi}
 """What no road vehicle exceeds, m and rad; the longest road trains have 54 m."""
@@ -20,7 +20,8 @@ class VehicleLimits:
 
     `comfort_deceleration` is what planned braking uses, `service_deceleration` what the vehicle type states as its own,
     `emergency_deceleration` its physical limit. `front_overhang` is from the front axle to the front bumper.
-    `time_headway` (s) and `standstill_gap` (m) are what the driver keeps to a leader.
+    `time_headway` (s) and `standstill_gap` (m) are what the driver keeps to a leader, `parameters` all else that its driver
+    goes by.
     """
 
     length: float
@@ -38,9 +39,10 @@ class VehicleLimits:
     comfort_lateral_acceleration: float
     time_headway: float = 1.0
     standstill_gap: float = 2.0
+    parameters: Parameters = USUAL
 
     def __post_init__(self) -> None:
-        positive = {k: v for k, v in vars(self).items() if k != "front_overhang"}
+        positive = {k: v for k, v in vars(self).items() if k not in ("front_overhang", "parameters")}
         for name, value in positive.items():
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"vehicle {name} must be positive and finite, got {value}")
@@ -70,7 +72,12 @@ class VehicleLimits:
     @cached_property
     def planned_deceleration(self) -> float:
         """The hardest braking that is no emergency, m/s²."""
-        return min(PLANNED_DECELERATION, self.service_deceleration)
+        return min(self.parameters.planned_deceleration, self.service_deceleration)
+
+    @cached_property
+    def acceleration_in_plan(self) -> float:
+        """What the pilot counts on when it foresees the ego's motion, m/s²."""
+        return min(self.parameters.max_acceleration_in_plan, self.max_acceleration)
 
     @cached_property
     def max_curvature(self) -> float:

@@ -17,7 +17,6 @@ from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import NEAR_M, OffTracking
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -63,7 +62,7 @@ def band_of(curve: Curve, limits: VehicleLimits) -> CorridorSides:
     sizes = wheelbase, limits.front_overhang
     sides = swept_sides(curve.x, curve.y, curve.heading, curve.step, heading, *sizes, STRAIGHT, 1.0)
     reach = np.max(sides, axis=(0, 2)), -np.min(sides, axis=(0, 2))  # between two samples as wide as at the wider one
-    left, right = (half + maximum_filter1d(np.maximum(side, CORRIDOR_MARGIN_M), 3) for side in reach)
+    left, right = (half + maximum_filter1d(np.maximum(side, limits.parameters.corridor_margin_m), 3) for side in reach)
     return CorridorSides(left, right, float(max(left.max(), right.max())))
 
 

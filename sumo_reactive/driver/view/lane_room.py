@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.parameters import MAX_LEAN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import band_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -34,7 +33,7 @@ def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[
 
     It is what the corridor, with its margin, leaves of the lane.
     """
-    curve, band = plan.curve, band_of(plan.curve, limits)
+    curve, band, most = plan.curve, band_of(plan.curve, limits), limits.parameters.max_lean_m
     left, right = np.zeros(len(curve.x)), np.zeros(len(curve.x))
     for segment in plan.segments:
         lane = graph.lanes[segment.lane_id]
@@ -44,8 +43,8 @@ def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[
             continue
         off = lane.spine.offsets(np.column_stack((curve.x[at], curve.y[at])))
         follows = np.abs(off) < OFF_LANE_M
-        left[at] = np.where(follows, np.clip(0.5 * lane.width - off - band.left[at], 0.0, MAX_LEAN_M), 0.0)
-        right[at] = np.where(follows, np.clip(0.5 * lane.width + off - band.right[at], 0.0, MAX_LEAN_M), 0.0)
+        left[at] = np.where(follows, np.clip(0.5 * lane.width - off - band.left[at], 0.0, most), 0.0)
+        right[at] = np.where(follows, np.clip(0.5 * lane.width + off - band.right[at], 0.0, most), 0.0)
     return _eased(left, curve.step), _eased(right, curve.step)
 
 

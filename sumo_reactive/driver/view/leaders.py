@@ -15,7 +15,6 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import FOE_ACCELERATION, MAX_ACCELERATION_IN_PLAN, NARROW_HEADWAY, NARROW_LEAD_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.abreast import abreast_of, beside
@@ -160,18 +159,18 @@ def _turn(
 
     It goes before the first who comes well after it. It counts on half the speed allowed, or on what it has.
     """
-    top = narrow.other.speed_limit
+    top, p = narrow.other.speed_limit, limits.parameters
     pace = max(speed, 0.5 * top)
-    own, inside = travel_time(left, speed, MAX_ACCELERATION_IN_PLAN, 0.5 * top), narrow.end - narrow.start
+    own, inside = travel_time(left, speed, p.max_acceleration_in_plan, 0.5 * top), narrow.end - narrow.start
     last, turn = None, 0.0
     for theirs, user in coming:
         caught_up = max(inside / pace - inside / max(user.speed, 1.0), 0.0)
-        clear = max(own, turn) + limits.length / pace + caught_up + NARROW_LEAD_S
-        if clear < travel_time(theirs, user.speed, FOE_ACCELERATION, top):
+        clear = max(own, turn) + limits.length / pace + caught_up + p.narrow_lead_s
+        if clear < travel_time(theirs, user.speed, p.foe_acceleration, top):
             break
         if theirs + user.body.length > 0.0:
             gone = (theirs + user.body.length) / max(user.speed, STANDING_SPEED)
-            last, turn = user, max(turn, gone + NARROW_HEADWAY * limits.time_headway + limits.standstill_gap / pace)
+            last, turn = user, max(turn, gone + p.narrow_headway * limits.time_headway + limits.standstill_gap / pace)
     return last, turn
 
 

@@ -12,7 +12,6 @@ from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, T
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import ASSESSED_S, OVERTAKING_S, SLOW_SHARE
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import SAFE_GAP_M
@@ -27,9 +26,11 @@ def outlook(
 ) -> Outlook:
     """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), the lanes
     beside it and the queues there if there is anybody to pass, and who comes over the ground of a turn in several moves."""
-    front = snapshot.front
-    users, duration = (traffic.users, OVERTAKING_S) if traffic.sight > 0.0 else (_concerned(snapshot), ASSESSED_S)
-    slow = SLOW_SHARE * plan.road_speed(snapshot.s)
+    front, p = snapshot.front, limits.parameters
+    users, duration = _concerned(snapshot), p.assessed_s
+    if traffic.sight > 0.0:
+        users, duration = traffic.users, p.overtaking_s
+    slow = p.slow_share * plan.road_speed(snapshot.s)
     passing = plan.aside is not None or any(obstacle.along < slow for obstacle in snapshot.on_path)
     beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M)) if passing else ()
     here = next((segment for segment in plan.segments if front < segment.end), None)
@@ -45,8 +46,9 @@ def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
     users = {obstacle.user.id: obstacle.user for obstacle in snapshot.on_path}
     users.update((foe.user.id, foe.user) for foe in snapshot.foes)
     users.update((neighbour.user.id, neighbour.user) for neighbour in snapshot.neighbours)
-    pose, reach = snapshot.ego.pose, ASSESSED_S * snapshot.ego.speed + ATTENTION_MIN_AHEAD_M / 2
-    return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + ASSESSED_S * u.speed))
+    pose, time = snapshot.ego.pose, snapshot.parameters.assessed_s
+    reach = time * snapshot.ego.speed + ATTENTION_MIN_AHEAD_M / 2
+    return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + time * u.speed))
 
 
 _POSE_STEP_M = 0.5

@@ -81,7 +81,8 @@ def perceive(
     lights = traffic.lights
     room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
     return Snapshot(
-        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut, room
+        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut, room,
+        limits.parameters,
     )  # fmt: skip
 
 

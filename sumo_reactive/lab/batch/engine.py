@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import uuid
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -11,7 +10,6 @@ from dataclasses import replace
 from threading import Lock
 from typing import NamedTuple, Protocol
 
-from sumo_reactive.driver.overrides import VARIABLE
 from sumo_reactive.errors import ClusterError, ScenarioError
 from sumo_reactive.lab.batch.experiment import Experiment
 from sumo_reactive.lab.batch.store import Store
@@ -59,7 +57,6 @@ def run_order_apart(order: Order) -> Report:
     """Run an order of another process; raise ClusterError if this one has other sources than whoever gave it."""
     if (here := release()["sources"]) != order.sources:
         raise ClusterError(f"a worker has sumo_reactive with sources {here}, this process {order.sources}: install the same")
-    os.environ.pop(VARIABLE, None)  # the task names every parameter that counts
     return run_order(order)
 
 
@@ -149,7 +146,7 @@ def scouted(experiment: Experiment, scenario: Scenario, store: Store | None) -> 
     if known:
         return known
     with Runner() as runner:
-        ending, found, _ = runner.call(SCOUT, scenario, experiment.keys.wall_limit_s, {})
+        ending, found, _ = runner.call(SCOUT, scenario, experiment.keys.wall_limit_s)
     if ending is not Ending.DONE:
         raise ScenarioError(f"{scenario.source}: no trips to draw from: {ending.value}: {found}")
     trips: list[Departure] = found

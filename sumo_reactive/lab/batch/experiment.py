@@ -14,7 +14,7 @@ from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.files import text_of
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, parameter
+from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, named_once, parameter
 from sumo_reactive.lab.schema import TomlTable, line_of, nearest, problem_at, read_toml
 from sumo_reactive.lab.task import Driver
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
@@ -82,8 +82,7 @@ class SampleKeys(TomlTable):
         for name, limits in asked.items():
             if len(limits) != 2 or limits[0] >= limits[1]:
                 raise problem_at(name, "not a range [low, high]")
-            _values(name, limits)
-        return asked
+        return _by_name(asked)
 
 
 class ExperimentFile(TomlTable):
@@ -98,7 +97,7 @@ class ExperimentFile(TomlTable):
     @field_validator("parameters")
     @classmethod
     def _exist(cls, asked: dict[str, float | list[float]]) -> dict[str, float | list[float]]:
-        return {name: _values(name, value if isinstance(value, list) else [value]) for name, value in asked.items()}
+        return dict(_by_name({name: value if isinstance(value, list) else [value] for name, value in asked.items()}))
 
     @field_validator("options")
     @classmethod
@@ -113,10 +112,16 @@ class ExperimentFile(TomlTable):
         return asked
 
 
-def _values(name: str, values: list[float]) -> list[float]:
+def _by_name(asked: dict[str, list[float]]) -> dict[str, list[float]]:
+    """Return the values of parameters by the driver's own names."""
+    return named_once(asked, [_values(name, values) for name, values in asked.items()])
+
+
+def _values(name: str, values: list[float]) -> tuple[str, list[float]]:
     if not values:
         raise problem_at(name, "no value")
-    return [parameter(name, value) for value in values]
+    found = [parameter(name, value) for value in values]
+    return found[0][0], [value for _, value in found]
 
 
 SUFFIX = ".duckdb"

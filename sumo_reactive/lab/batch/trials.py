@@ -15,8 +15,6 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 import sumo_reactive
-from sumo_reactive.driver import parameters
-from sumo_reactive.driver.overrides import overrides
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
 from sumo_reactive.lab.scenario import Scenario
@@ -89,7 +87,7 @@ def key_of(task: Task) -> str:
         "obstacle_polygons": scenario.obstacle_polygons,
         "sumo_options": scenario.sumo_options,
         "driver": task.driver.value,
-        "parameters": dict(task.parameters),
+        "parameters": scenario.parameters.varied,
         "versions": release(),
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
@@ -171,7 +169,7 @@ class Trial:
 
 
 def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
-    """Return the trials, each once, those with the same parameters one after another; `scout` finds trips to draw from.
+    """Return the trials, each once; `scout` finds trips to draw from.
 
     Raises ScenarioError if nothing is left of a selection.
     """
@@ -183,15 +181,7 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
         for case in itertools.product(choice.seeds, egos[choice.name], experiment.keys.drivers):
             trial = _trial(experiment, choice, case, point, options)
             found.setdefault(trial.key, trial)
-    return _by_parameters(list(found.values()))
-
-
-def _by_parameters(trials: list[Trial]) -> list[Trial]:
-    """Return the trials so that those with the same parameters, which one process can run, follow each other."""
-    place: dict[str, int] = {}
-    for trial in trials:
-        place.setdefault(str(trial.task.parameters), len(place))
-    return sorted(trials, key=lambda trial: place[str(trial.task.parameters)])
+    return list(found.values())
 
 
 def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | None]:
@@ -214,7 +204,6 @@ def _trial(
     """Return one trial. Parameters are this project's driver's: SUMO's own is the same baseline whatever they are."""
     keys, base, (seed, ego, driver) = experiment.keys, choice.scenario, case
     point = grid_point if driver is Driver.REACTIVE else {}
-    asked = {**base.parameters, **overrides(), **point}
     scenario = replace(
         base,
         config=base.config.absolute(),
@@ -226,10 +215,10 @@ def _trial(
         horizon_s=keys.horizon_s or base.horizon_s,
         profile=keys.profile or base.profile,
         delays=keys.delays or base.delays,
-        parameters=asked,
+        parameters=base.parameters.with_values(point),
         sumo_options=(*_quiet(base.config), *_words(options)),
     )
-    return Trial(choice.name, point, options, Task(scenario, driver, asked))
+    return Trial(choice.name, point, options, Task(scenario, driver))
 
 
 @cache
@@ -249,12 +238,7 @@ def _samples(experiment: Experiment) -> Iterator[dict[str, float]]:
     if experiment.samples is not None:
         draw = random.Random(experiment.samples.seed)
         for _ in range(experiment.samples.count):
-            yield {name: _drawn(draw, name, *limits) for name, limits in experiment.samples.parameters.items()}
-
-
-def _drawn(draw: random.Random, name: str, low: float, high: float) -> float:
-    is_whole = isinstance(vars(parameters)[name], int)
-    return draw.randint(int(low), int(high)) if is_whole else draw.uniform(low, high)
+            yield {name: draw.uniform(*limits) for name, limits in experiment.samples.parameters.items()}
 
 
 def _product(values: Mapping[str, list[Value]]) -> Iterator[dict[str, Value]]:

@@ -185,7 +185,7 @@ def _task(scenario: Scenario, driver: Driver, outputs: Outputs, horizon_s: float
         scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True,
         sumo_options=(*scenario.sumo_options, *added),
     )  # fmt: skip
-    return Task(asked, driver, scenario.parameters)
+    return Task(asked, driver)
 
 
 def _require_free(scenario: Scenario, ours: Mapping[str, str]) -> None:

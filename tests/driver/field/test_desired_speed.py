@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour
-from sumo_reactive.driver.parameters import SLOT_HEADWAY_S, STOP_LINE_MARGIN_M, TIME_TOLERANCE_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M, SAFE_GAP_M, following_speed, stopping_speed
 
 ROAD = plan_along(straight())
@@ -80,37 +80,37 @@ def test_no_command_is_admissible_that_leaves_too_little_room_behind_a_leader(pr
 
 def test_the_next_time_constraint_bounds_the_speed():
     away, left = 200.0, 25.0
-    wish = desired_speed(snapshot(8.0), in_time(FRONT + away, left + TIME_TOLERANCE_S), CAR, PERIOD)
+    wish = desired_speed(snapshot(8.0), in_time(FRONT + away, left + USUAL.time_tolerance_s), CAR, PERIOD)
     assert wish.speed == pytest.approx(away / left)
 
 
 def test_a_time_constraint_that_is_behind_bounds_nothing():
-    passed, ahead = TimeConstraint(FRONT - 1.0, 1000.0), TimeConstraint(FRONT + 200.0, 25.0 + TIME_TOLERANCE_S)
+    passed, ahead = TimeConstraint(FRONT - 1.0, 1000.0), TimeConstraint(FRONT + 200.0, 25.0 + USUAL.time_tolerance_s)
     completed = replace(asked(ROAD), constraints=(passed, ahead))
     assert desired_speed(snapshot(8.0), completed, CAR, PERIOD).speed == pytest.approx(8.0)
 
 
 def test_the_time_that_is_left_counts_from_now():
-    completed = in_time(FRONT + 200.0, 125.0 + TIME_TOLERANCE_S)
+    completed = in_time(FRONT + 200.0, 125.0 + USUAL.time_tolerance_s)
     assert desired_speed(snapshot(8.0, time=100.0), completed, CAR, PERIOD).speed == pytest.approx(8.0)
 
 
 def test_a_car_that_has_time_comes_when_it_should_and_not_before():
     trace = driven(ROAD, on_curve(ROAD.curve, FRONT, 10.0), lambda _: in_time(160.0, 24.0), 30.0)
     there = next(seen.time for seen, _ in trace if seen.front >= 160.0)
-    assert 24.0 - TIME_TOLERANCE_S - 0.2 <= there <= 24.0
+    assert 24.0 - USUAL.time_tolerance_s - 0.2 <= there <= 24.0
 
 
 def test_a_car_that_is_late_accelerates_towards_the_speed_that_is_in_time():
     wanted = cruise_speed(8.0, 200.0, 18.0, 13.9, CAR.max_acceleration)
     assert wanted < 13.9
-    wish = desired_speed(snapshot(8.0), in_time(FRONT + 200.0, 18.0 + TIME_TOLERANCE_S), CAR, PERIOD)
+    wish = desired_speed(snapshot(8.0), in_time(FRONT + 200.0, 18.0 + USUAL.time_tolerance_s), CAR, PERIOD)
     assert 8.0 < wish.speed < wanted
 
 
 def test_the_speed_before_a_stop_is_the_one_that_comfortable_braking_ends_before_its_line():
     away = 30.0
-    asked_for = stopping_speed(away - STOP_LINE_MARGIN_M, CAR.comfort_deceleration, PERIOD)
+    asked_for = stopping_speed(away - USUAL.stop_line_margin_m, CAR.comfort_deceleration, PERIOD)
     wish = desired_speed(snapshot(asked_for), stopping_at(FRONT + away), CAR, PERIOD)
     assert wish == (pytest.approx(asked_for), False, "")
 
@@ -139,7 +139,7 @@ def test_who_drives_ahead_in_the_slot_that_the_ego_seeks_is_followed_closely():
     other = car_at("x", FRONT + 12.0, 3.2, 0.0, 5.0)
     around = snapshot(9.0)._replace(neighbours=(Neighbour(car_at("y", 0.0, 3.2, 0.0, 1.0), -5.0), Neighbour(other, 12.0)))
     completed = falling_in_behind("x")
-    asked_for = following_speed(12.0 - other.body.length, 5.0, CAR.comfort_deceleration, SLOT_HEADWAY_S)
+    asked_for = following_speed(12.0 - other.body.length, 5.0, CAR.comfort_deceleration, USUAL.slot_headway_s)
     wish = desired_speed(around, completed, CAR, PERIOD)
     assert wish.speed == pytest.approx(max(asked_for, 9.0 - CAR.comfort_deceleration * PERIOD))
     assert desired_speed(around, falling_in_behind("gone"), CAR, PERIOD).speed > 9.0

@@ -17,7 +17,7 @@ from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Leader
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import PLANNED_DECELERATION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
 ROAD = plan_along(straight())
@@ -187,18 +187,18 @@ def braked(speed: float, stop: float | None = None, leader: Leader | None = None
 
 @pytest.mark.parametrize("speed", [2.0, 8.0, 13.0])
 def test_a_stop_that_planned_braking_reaches_is_no_emergency_however_late_it_appears(speed):
-    way = speed**2 / (2.0 * PLANNED_DECELERATION) + HARD_STOP_MARGIN_M + 0.01
+    way = speed**2 / (2.0 * USUAL.planned_deceleration) + HARD_STOP_MARGIN_M + 0.01
     execution = braked(speed, stop=10.0 + way)
     assert not execution.emergency
-    assert execution.state.acceleration == pytest.approx(-PLANNED_DECELERATION)
+    assert execution.state.acceleration == pytest.approx(-USUAL.planned_deceleration)
 
 
 @pytest.mark.parametrize("share", [0.95, 0.7, 0.4])
 def test_a_stop_nearer_than_that_is_an_emergency_that_is_named(share):
-    execution = braked(13.0, stop=10.0 + share * 13.0**2 / (2.0 * PLANNED_DECELERATION))
+    execution = braked(13.0, stop=10.0 + share * 13.0**2 / (2.0 * USUAL.planned_deceleration))
     assert execution.emergency
     assert execution.hazard == STOP_PLACE
-    assert execution.state.acceleration < -PLANNED_DECELERATION
+    assert execution.state.acceleration < -USUAL.planned_deceleration
 
 
 @settings(max_examples=40)
@@ -206,10 +206,10 @@ def test_a_stop_nearer_than_that_is_an_emergency_that_is_named(share):
 def test_planned_braking_for_a_late_stop_never_becomes_an_emergency(speed, room, period):
     """Neither the period nor the onset of braking uses up the way that was enough."""
     plan = plan_along(straight(), 25.0)
-    stop = stop_at(10.0 + room * speed**2 / (2.0 * PLANNED_DECELERATION) + HARD_STOP_MARGIN_M + 0.05, Reason.RED_LIGHT)
+    stop = stop_at(10.0 + room * speed**2 / (2.0 * USUAL.planned_deceleration) + HARD_STOP_MARGIN_M + 0.05, Reason.RED_LIGHT)
     trace = list(driven(plan, on_curve(plan.curve, 10.0, speed), lambda _: asked(plan, stop), 12.0, period))
     assert not any(execution.emergency for _, execution in trace)
-    assert min(execution.state.acceleration for _, execution in trace) > -PLANNED_DECELERATION - 0.01
+    assert min(execution.state.acceleration for _, execution in trace) > -USUAL.planned_deceleration - 0.01
     assert max(snapshot.front for snapshot, _ in trace) < stop.s
 
 
@@ -221,11 +221,11 @@ def test_a_leader_that_stands_too_near_is_named():
 def test_a_body_that_appears_before_a_creeping_car_is_stopped_for_without_an_emergency():
     execution = braked(1.0, leader=Leader("x", 10.6, 0.0, 9.0))
     assert not execution.emergency
-    assert -PLANNED_DECELERATION - 0.01 < execution.state.acceleration < -2.0
+    assert -USUAL.planned_deceleration - 0.01 < execution.state.acceleration < -2.0
 
 
 def test_an_emergency_ends_at_once():
-    assert braked(10.0, acceleration=-9.0).state.acceleration > -PLANNED_DECELERATION
+    assert braked(10.0, acceleration=-9.0).state.acceleration > -USUAL.planned_deceleration
 
 
 @pytest.mark.parametrize(("speed", "is_emergency"), [(8.0, False), (11.0, True)])
@@ -239,7 +239,7 @@ def test_too_fast_for_a_bend_is_an_emergency_only_if_planned_braking_does_not_ho
 def test_a_lower_speed_limit_is_never_an_emergency():
     execution = braked(20.0, plan=plan_along(straight(), 8.0))
     assert not execution.emergency
-    assert execution.state.acceleration >= -PLANNED_DECELERATION - 1e-9
+    assert execution.state.acceleration >= -USUAL.planned_deceleration - 1e-9
 
 
 def test_a_car_too_fast_for_the_bend_that_it_stands_in_brakes_hard_and_stays_near_its_lane():

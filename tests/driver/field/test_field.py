@@ -10,19 +10,12 @@ from helpers.curves import asked, on_curve, plan_along, seen, straight
 
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, steering_rate_limit, wide_grid
 from sumo_reactive.driver.field.executor import execute
-from sumo_reactive.driver.field.field import MIN_LOOK_AHEAD_M, expand, leads_to, mapped_valley, ramped
+from sumo_reactive.driver.field.field import MIN_LOOK_AHEAD_M, driver_of, expand, leads_to, mapped_valley, ramped
 from sumo_reactive.driver.nouns.completed_plan import Tuning
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
-from sumo_reactive.driver.parameters import (
-    COMFORT_JERK,
-    LOOK_AHEAD_GROWTH,
-    LOOK_AHEAD_S,
-    MAX_LATERAL_JERK,
-    VALLEY_ATTRACTION,
-    VALLEY_REPULSION,
-)
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 
 ROAD = plan_along(straight())
@@ -77,12 +70,13 @@ def led_to(d: float, heading: float, speed: float, angle: float, period: float =
     """Where a car leads whose front axle is `d` m to the left of a straight C."""
     curve = ROAD.curve
     x, y = 50.0 - L * math.cos(heading), d - L * math.sin(heading)
-    return float(leads_to(x, y, heading, speed, angle, L, period, curve.x, curve.y, curve.heading, curve.step, 50.0))
+    line = curve.x, curve.y, curve.heading, curve.step, 50.0
+    return float(leads_to(x, y, heading, speed, angle, L, period, *line, driver_of(USUAL)))
 
 
 def reach(speed: float) -> float:
     """The look-ahead, m."""
-    return max(speed * (LOOK_AHEAD_S + LOOK_AHEAD_GROWTH * speed), MIN_LOOK_AHEAD_M)
+    return max(speed * (USUAL.look_ahead_s + USUAL.look_ahead_growth * speed), MIN_LOOK_AHEAD_M)
 
 
 @pytest.mark.parametrize("speed", [0.0, 10.0, 20.0])
@@ -104,7 +98,7 @@ def test_an_obstacle_beside_the_body_makes_the_exact_valley_steeper(side):
     for off, left in ((0.5, 0.6), (-0.5, 1.6)):
         ego = replace(on_curve(ROAD.curve, 50.0, 1.0), pose=Pose(50.0 - CAR.wheelbase, side * off, 0.0))
         found = execute(seen(ego, ROAD, 50.0, static=static), asked(ROAD), CAR, 0.01).potentials
-        assert found.valley == pytest.approx(0.5 * (VALLEY_ATTRACTION + VALLEY_REPULSION / left), rel=0.1)
+        assert found.valley == pytest.approx(0.5 * (USUAL.valley_attraction + USUAL.valley_repulsion / left), rel=0.1)
 
 
 def expanded(speed: float, angle: float, acceleration: float, rate: float, room: float = math.inf, lateral: float = 0.0):
@@ -148,12 +142,12 @@ def test_a_car_that_stands_needs_no_room():
 
 def test_the_steering_rate_falls_with_the_square_of_the_speed():
     assert steering_rate_limit(CAR, 0.0) == CAR.max_steering_rate
-    assert steering_rate_limit(CAR, 20.0) == pytest.approx(MAX_LATERAL_JERK * L / 400.0)
+    assert steering_rate_limit(CAR, 20.0) == pytest.approx(USUAL.max_lateral_jerk * L / 400.0)
 
 
 def test_the_gentlest_brake_is_one_comfortable_jerk_from_what_the_car_does_or_from_coasting():
-    assert gentlest_brake(2.0, 0.1) == pytest.approx(-0.1 * COMFORT_JERK)
-    assert gentlest_brake(-1.0, 0.1) == pytest.approx(-1.0 - 0.1 * COMFORT_JERK)
+    assert gentlest_brake(2.0, 0.1, 8.0) == pytest.approx(-0.1 * 8.0)
+    assert gentlest_brake(-1.0, 0.1, 8.0) == pytest.approx(-1.0 - 0.1 * 8.0)
 
 
 def test_the_wide_grid_reaches_all_that_the_car_can_do():

@@ -16,7 +16,7 @@ from sumo_reactive.driver.field.foreseen_shadow import BESIDE_M, foreseen_potent
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import CLEARANCE_M
+from sumo_reactive.driver.parameters import USUAL
 
 ROAD, AT = straight(), 200.0
 HALF, AHEAD, BEHIND = 0.5 * CAR.width, CAR.front_overhang, CAR.length - CAR.front_overhang
@@ -38,7 +38,9 @@ def potential(speed: float, *boxes: tuple[float, ...], d: float = 0.0, curve: Cu
     """U₂ of an ego with its front axle at AT, which may lean as far as it likes."""
     room = np.full(2, np.inf) if room is None else room
     along = curve.x, curve.y, curve.heading, curve.step, AT
-    return foreseen_potential(foreseen_shadows(np.array(boxes), speed, HALF, AHEAD, BEHIND, *along, room), d, room)
+    scale, clearance = USUAL.shadow_scale, USUAL.clearance_m
+    shadows = foreseen_shadows(np.array(boxes), speed, HALF, AHEAD, BEHIND, *along, room, scale, clearance)
+    return foreseen_potential(shadows, d, room, clearance)
 
 
 @given(speeds, st.floats(0.0, 1.0), gaps, st.floats(-2.5, 2.5))
@@ -55,7 +57,7 @@ def test_it_is_zero_for_one_ahead_that_is_no_slower(speed, share, gap, left):
     speeds, speeds, st.floats(-40.0, 40.0), st.floats(0.0, 5.0), st.sampled_from([-1, 1]), st.sampled_from([0.0, math.pi])
 )
 def test_it_is_zero_on_parallel_lanes_that_are_far_enough(speed, other_speed, along, gap, side, heading):
-    left = side * (HALF + 0.5 * WIDTH + CLEARANCE_M + gap + 1e-6)
+    left = side * (HALF + 0.5 * WIDTH + USUAL.clearance_m + gap + 1e-6)
     assert potential(speed, body(AT + along, left, other_speed, heading)) == 0.0
 
 
@@ -147,7 +149,7 @@ def test_the_ego_leans_away_from_a_bicycle_gently_and_comes_back_to_c(side):
 
 def test_the_ego_stays_on_c_where_it_has_no_room_and_beside_who_is_far_enough():
     assert max(map(abs, passing([bicycle(0.6)], room=(0.0, 0.0))[0])) < 0.01
-    assert max(map(abs, passing([bicycle(CLEARANCE_M)])[0])) < 0.01
+    assert max(map(abs, passing([bicycle(USUAL.clearance_m)])[0])) < 0.01
     assert max(map(abs, passing([car_at("x", 150.0, 3.2, math.pi, 13.9)])[0])) < 0.01
 
 

@@ -19,7 +19,7 @@ from sumo_reactive.driver.field.valley_map import (
     valley_bitmap,
     valley_map,
 )
-from sumo_reactive.driver.parameters import VALLEY_ATTRACTION, VALLEY_REPULSION
+from sumo_reactive.driver.parameters import USUAL
 
 LINE = straight()
 places = st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
@@ -32,7 +32,7 @@ def exact_section(obstacles: list[tuple[float, float]], offsets: np.ndarray) -> 
     left, right = to_static((0.0, 0.0), obstacles)
     away = np.minimum(left - offsets, right + offsets)
     places = zip(np.abs(offsets), away, strict=True)
-    return np.array([valley_potential(d, o, VALLEY_ATTRACTION, VALLEY_REPULSION) for d, o in places])
+    return np.array([valley_potential(d, o, USUAL.valley_attraction, USUAL.valley_repulsion) for d, o in places])
 
 
 def to_static(place: tuple[float, float], obstacles: list[tuple[float, float]], half: float = 0.0) -> tuple[float, float]:
@@ -50,8 +50,8 @@ def test_the_floor_of_the_valley_is_on_the_curve_however_near_an_obstacle_is(obs
 
 def test_an_obstacle_makes_its_side_of_the_valley_steeper():
     section = exact_section([(0.0, 2.0)], np.array([-1.0, 1.0]))
-    assert section[1] == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION)
-    assert section[0] == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 3.0)
+    assert section[1] == pytest.approx(USUAL.valley_attraction + USUAL.valley_repulsion)
+    assert section[0] == pytest.approx(USUAL.valley_attraction + USUAL.valley_repulsion / 3.0)
 
 
 @given(places, st.lists(places, min_size=1, max_size=10), st.floats(0.0, 1.0))
@@ -88,8 +88,8 @@ def test_in_a_bend_of_a_road_the_distance_to_a_border_is_taken_across_c(bend, ah
 
 
 def test_at_an_obstacle_the_valley_is_steep_but_finite():
-    assert valley_potential(1.0, -1.0, VALLEY_ATTRACTION, VALLEY_REPULSION) == pytest.approx(
-        VALLEY_ATTRACTION + VALLEY_REPULSION / LEAST_ROOM_M
+    assert valley_potential(1.0, -1.0, USUAL.valley_attraction, USUAL.valley_repulsion) == pytest.approx(
+        USUAL.valley_attraction + USUAL.valley_repulsion / LEAST_ROOM_M
     )
 
 
@@ -112,9 +112,9 @@ def test_the_floor_of_the_bitmap_is_on_the_curve_however_near_an_obstacle_is(obs
     half = MIDDLE * CELL
     x = np.arange(-half, half, 0.5 * CELL)
     static = np.array(obstacles).reshape(-1, 2)
-    bitmap = valley_bitmap(x, np.zeros_like(x), static, -half, -half, CELL)
+    bitmap = valley_bitmap(np.column_stack((x, np.zeros_like(x))), static, -half, -half, CELL, USUAL)
     assert bitmap[MIDDLE] == pytest.approx(0.0, abs=1e-9)
-    assert (np.delete(bitmap, MIDDLE, axis=0) > 0.5 * CELL * VALLEY_ATTRACTION).all()
+    assert (np.delete(bitmap, MIDDLE, axis=0) > 0.5 * CELL * USUAL.valley_attraction).all()
 
 
 @settings(max_examples=8)
@@ -122,9 +122,10 @@ def test_the_floor_of_the_bitmap_is_on_the_curve_however_near_an_obstacle_is(obs
 def test_between_two_rows_of_cells_the_bitmap_still_tells_how_far_the_curve_is(aside):
     half = MIDDLE * CELL
     x = np.arange(-half, half, 0.25 * CELL)
-    column = valley_bitmap(x, np.full_like(x, aside * CELL), np.empty((0, 2)), -half, -half, CELL)[:, MIDDLE]
+    line = np.column_stack((x, np.full_like(x, aside * CELL)))
+    column = valley_bitmap(line, np.empty((0, 2)), -half, -half, CELL, USUAL)[:, MIDDLE]
     rows = np.arange(CELLS) - MIDDLE
-    assert column == pytest.approx(VALLEY_ATTRACTION * CELL * np.abs(rows - aside), abs=1e-6)
+    assert column == pytest.approx(USUAL.valley_attraction * CELL * np.abs(rows - aside), abs=1e-6)
 
 
 def test_the_potential_of_a_place_lies_between_those_of_the_cells_around_and_is_outside_that_of_the_rim():
@@ -135,7 +136,7 @@ def test_the_potential_of_a_place_lies_between_those_of_the_cells_around_and_is_
 
 
 def test_the_maps_hold_the_car_while_it_stays_away_from_their_rim():
-    maps = valley_map(straight(), 100.0, 0.0, CAR.wheelbase, np.empty((0, 2)))
+    maps = valley_map(straight(), 100.0, 0.0, CAR.wheelbase, np.empty((0, 2)), USUAL)
     assert maps.bitmaps.shape == (2, CELLS, CELLS)
     assert maps.cell == MAP_SIDE_M / CELLS
     assert maps.holds(100.0, 0.0, 20.0)
@@ -146,13 +147,13 @@ def test_each_control_point_has_its_valley_along_the_curve_that_it_traces():
     """In a steady turn of radius r the rear axle traces the circle of radius √(r² − L²) (F&L 1991, §3.1)."""
     radius = 12.0
     maps = valley_map(
-        turning([75.0], [1.0 / radius]), 0.0, -math.asin(CAR.wheelbase / radius), CAR.wheelbase, np.empty((0, 2))
+        turning([75.0], [1.0 / radius]), 0.0, -math.asin(CAR.wheelbase / radius), CAR.wheelbase, np.empty((0, 2)), USUAL
     )
     rear = math.sqrt(radius**2 - CAR.wheelbase**2)
     for angle in np.linspace(0.2, 5.0, 40):
         for bitmap, r in ((maps.bitmaps[0], radius), (maps.bitmaps[1], rear)):
             x, y = r * math.sin(angle), radius - r * math.cos(angle)
-            assert map_potential(bitmap, x, y, maps.x0, maps.y0, maps.cell) <= 1.5 * maps.cell * VALLEY_ATTRACTION
+            assert map_potential(bitmap, x, y, maps.x0, maps.y0, maps.cell) <= 1.5 * maps.cell * USUAL.valley_attraction
 
 
 def test_obstacles_beside_the_curve_do_not_push_the_car_off_it():
@@ -180,17 +181,17 @@ def test_beside_a_border_the_exact_valley_rises_faster_and_its_floor_stays_on_th
     section = exact_section([tuple(point) for point in BORDER], np.array([-1.0, 0.0, 1.0]))
     right, left = slopes(section)
     assert section[1] == 0.0
-    assert right == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 0.6)
-    assert left == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 2.6)
+    assert right == pytest.approx(USUAL.valley_attraction + USUAL.valley_repulsion / 0.6)
+    assert left == pytest.approx(USUAL.valley_attraction + USUAL.valley_repulsion / 2.6)
 
 
 def test_beside_a_border_the_valley_of_the_bitmap_rises_faster_and_its_floor_stays_on_the_curve():
     half = MIDDLE * CELL
     x = np.arange(-half, half, 0.25 * CELL)
-    bitmap = valley_bitmap(x, np.zeros_like(x), BORDER, -half, -half, CELL)
+    bitmap = valley_bitmap(np.column_stack((x, np.zeros_like(x))), BORDER, -half, -half, CELL, USUAL)
     section = np.array([map_potential(bitmap, 0.0, y, -half, -half, CELL) for y in (-1.0, 0.0, 1.0)])
     right, left = slopes(section)
     assert section[1] == pytest.approx(0.0, abs=1e-9)
-    assert right == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 0.6)
-    assert left == pytest.approx(VALLEY_ATTRACTION + VALLEY_REPULSION / 2.6)
+    assert right == pytest.approx(USUAL.valley_attraction + USUAL.valley_repulsion / 0.6)
+    assert left == pytest.approx(USUAL.valley_attraction + USUAL.valley_repulsion / 2.6)
     assert (np.diff(bitmap[:, MIDDLE])[MIDDLE:] > 0.0).all()

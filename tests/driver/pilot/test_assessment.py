@@ -12,7 +12,7 @@ from sumo_reactive.driver.nouns.assessment import Assessment, Outcome
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.forecast import Forecast
-from sumo_reactive.driver.parameters import ASSESSED_S, EXCESSIVE_DELAY_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.view.foresee import NOBODY
 
@@ -118,10 +118,10 @@ def country():
 
 def lateness_behind(speed: float) -> float:
     """How much longer than on schedule, from `speed` with the car's acceleration, the way takes that X allows."""
-    way = speed * ASSESSED_S
+    way = speed * USUAL.assessed_s
     top = math.sqrt(speed**2 + 2.0 * CAR.max_acceleration * way)
     assert top < LIMIT
-    return ASSESSED_S - (top - speed) / CAR.max_acceleration
+    return USUAL.assessed_s - (top - speed) / CAR.max_acceleration
 
 
 def test_alone_on_schedule_the_plan_is_fine(country):
@@ -139,18 +139,18 @@ def test_a_slow_leader_makes_the_ego_later_by_what_it_loses_behind_him(country):
 
 
 def test_a_delay_that_becomes_excessive_behind_a_slow_leader_degrades_the_plan(country):
-    assert 3.0 + lateness_behind(8.5) > EXCESSIVE_DELAY_S
+    assert 3.0 + lateness_behind(8.5) > USUAL.excessive_delay_s
     found = country.late_by(3.0).considered(country.ahead("x", 10.5, 8.5)).assessment
     assert found.outcome is Outcome.DEGRADED
     assert found.lateness == pytest.approx(3.0 + lateness_behind(8.5), abs=0.3)
-    assert found.is_late
+    assert found.lateness > USUAL.excessive_delay_s
 
 
 def test_a_collision_weighs_more_than_a_delay():
     ego = before("four_way_priority", ("from_west", "to_east"), 20.0, 10.0).late_by(20.0)
     found = ego.considered(ego.other("x", "from_east_0", -11.0, 8.0, ("from_east", "to_south"))).assessment
     assert found.outcome is Outcome.FAILURE
-    assert found.is_late
+    assert found.lateness > USUAL.excessive_delay_s
 
 
 def test_the_assessment_names_the_place_of_the_next_time_constraint():

@@ -1,15 +1,17 @@
 """The five behaviours, each by its preconditions, instruction and postconditions as the paper states them (F&L 1991, §2)."""
 
+from dataclasses import replace
+
 import pytest
 from helpers.cars import CAR
 from helpers.situations import before
 
-from sumo_reactive.driver import ablation
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Aside
-from sumo_reactive.driver.parameters import OFF_CURVE_EPSILON_M
+from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.driver.pilot.behaviours import cautious, crossing, normal, overtaking, stopping
 from sumo_reactive.driver.pilot.instructions import TUNINGS
 from sumo_reactive.driver.pilot.manoeuvre import proof
@@ -197,7 +199,9 @@ def test_beside_x_the_ego_slows_down_before_it_falls_back():
 
 
 @pytest.mark.parametrize("instruction", [Instruction.RETURN, Instruction.FALL_BACK])
-@pytest.mark.parametrize(("d", "is_back"), [(OFF_CURVE_EPSILON_M - 0.1, True), (OFF_CURVE_EPSILON_M + 0.1, False)])
+@pytest.mark.parametrize(
+    ("d", "is_back"), [(USUAL.off_curve_epsilon_m - 0.1, True), (USUAL.off_curve_epsilon_m + 0.1, False)]
+)
 def test_overtaking_ends_when_d_m_c_is_below_epsilon(instruction, d, is_back):
     ego = before("two_way_road", COUNTRY, 600.0, 15.0).passing("x", instruction)
     situation = ego.considered()
@@ -319,13 +323,12 @@ def test_a_stop_of_the_route_behind_a_line_waits_until_the_line_is_passed():
 
 
 @pytest.mark.parametrize("has_rules", [True, False])
-def test_an_ego_that_is_kept_in_normal_driving_runs_a_red_light_and_takes_a_right_of_way(has_rules, monkeypatch):
-    if not has_rules:
-        monkeypatch.setattr(ablation, "WITHOUT", ablation.Mechanism.BEHAVIOURS)
-    red = before("signalised_left_turns", ("from_south", "to_west"), 30.0, 8.0, lane=1)
+def test_an_ego_that_is_kept_in_normal_driving_runs_a_red_light_and_takes_a_right_of_way(has_rules):
+    limits = replace(CAR, parameters=Parameters(without=Mechanism.NONE if has_rules else Mechanism.BEHAVIOURS))
+    red = replace(before("signalised_left_turns", ("from_south", "to_west"), 30.0, 8.0, lane=1), limits=limits)
     letters = {red.connection.light.light_id: "r" * 40}
     assert (red.driven(8.0, lights=letters)[-1].snapshot.front > red.line) is not has_rules
-    ego = before("four_way_priority", SOUTH_NORTH, 30.0, 8.0)
+    ego = replace(before("four_way_priority", SOUTH_NORTH, 30.0, 8.0), limits=limits)
     coming = ego.other("coming", "from_west_0", -25.0, 8.0, WEST_EAST)
     steps = ego.driven_among(lambda t: [ego.later(coming, t)], 6.0)
     assert any(step.completed.stop for step in steps) is has_rules

@@ -9,7 +9,7 @@ from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.parameters import HALTED_ROOM_M
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 
 STREET = ("eastbound", "eastbound_out")
@@ -27,7 +27,7 @@ def test_room_is_kept_behind_somebody_who_has_halted():
     situation = ego.considered(ego.ahead("x", 50.0, 0.0, halted=True))
     stop = room_behind(situation)
     assert (stop.reason, stop.cause) == (Reason.BLOCKED, "x")
-    assert stop.s == pytest.approx(situation.snapshot.front + 50.0 - HALTED_ROOM_M, abs=0.5)
+    assert stop.s == pytest.approx(situation.snapshot.front + 50.0 - USUAL.halted_room_m, abs=0.5)
 
 
 def test_no_room_is_kept_behind_a_queue_nor_where_there_is_no_lane_to_pass_on():
@@ -44,14 +44,14 @@ def test_the_ego_stops_with_that_room_behind_somebody_who_has_halted():
     end = ego.driven(15.0, x, *oncoming)[-1]
     assert end.drive.ego.speed < 0.1
     gap = 50.0 + ego.seen().front - end.snapshot.front
-    assert HALTED_ROOM_M - 0.5 < gap < HALTED_ROOM_M + 2.0
+    assert USUAL.halted_room_m - 0.5 < gap < USUAL.halted_room_m + 2.0
 
 
 def test_too_near_behind_somebody_who_has_halted_the_ego_backs_up():
     ego, x = standing(3.0)
     way_out = escape(ego.considered(x))
     assert (way_out.instruction, way_out.stop.cause) == (Instruction.BACK_UP, "x")
-    assert way_out.stop.s == pytest.approx(ego.seen().front + 3.0 - HALTED_ROOM_M, abs=0.5)
+    assert way_out.stop.s == pytest.approx(ego.seen().front + 3.0 - USUAL.halted_room_m, abs=0.5)
 
 
 def test_backing_up_ends_with_room_to_swing_out():
@@ -60,7 +60,7 @@ def test_backing_up_ends_with_room_to_swing_out():
     gaps = [3.0 + ego.seen().front - step.snapshot.front for step in steps]
     assert min(step.drive.ego.speed for step in steps) >= -1.0 - 1e-6
     assert max(gaps) > 6.4
-    assert max(gaps) < HALTED_ROOM_M + 0.5
+    assert max(gaps) < USUAL.halted_room_m + 0.5
 
 
 def test_the_ego_does_not_back_up_into_somebody_behind_it():
@@ -71,7 +71,7 @@ def test_the_ego_does_not_back_up_into_somebody_behind_it():
 
 
 def test_far_enough_behind_somebody_who_has_halted_it_does_not_back_up():
-    ego, x = standing(HALTED_ROOM_M)
+    ego, x = standing(USUAL.halted_room_m)
     assert escape(ego.considered(x)) is None
 
 
@@ -130,7 +130,7 @@ def test_the_ground_behind_counts_as_far_as_the_ego_backs_up_and_a_bit_to_either
     assert (way_out is not None and way_out.instruction is Instruction.BACK_UP) is backs_up
 
 
-@pytest.mark.parametrize(("gap", "backs_up"), [(HALTED_ROOM_M - 1.6, True), (HALTED_ROOM_M - 1.4, False)])
+@pytest.mark.parametrize(("gap", "backs_up"), [(USUAL.halted_room_m - 1.6, True), (USUAL.halted_room_m - 1.4, False)])
 def test_a_gap_that_is_nearly_room_enough_is_left_as_it_is(gap, backs_up):
     ego, x = standing(gap)
     way_out = escape(ego.considered(x))

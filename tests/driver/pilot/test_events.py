@@ -9,13 +9,7 @@ from helpers.situations import PERIOD, before
 from sumo_reactive.driver.controller import Controller, Profile, Step, passages_ahead
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.parameters import (
-    COMFORT_DECELERATION,
-    DELAY_STEP_S,
-    NO_PROGRESS_S,
-    OFF_NOMINAL_SPEED,
-    TIME_TOLERANCE_S,
-)
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.pilot import notice
 from sumo_reactive.driver.world.route import ScheduledStop
@@ -124,7 +118,7 @@ def test_an_intersection_is_an_event_when_it_comes_in_sight_and_near_at_its_line
     steps = [step for step in ego.driven(25.0) if step.completed.events]
     assert set(kinds(steps[1:])) == {EventKind.INTERSECTION}
     in_sight, near, entering, inside, left = (step.snapshot.front for step in steps[1:])
-    line, reach = ego.line, 10.0 + 4.0 * 13.9 + 13.9**2 / (2.0 * COMFORT_DECELERATION)
+    line, reach = ego.line, 10.0 + 4.0 * 13.9 + 13.9**2 / (2.0 * USUAL.comfort_deceleration)
     assert in_sight < line - reach - 2.0
     assert -2.0 <= near - (line - reach) <= 2.0
     assert line - 6.0 <= entering <= line - 4.0
@@ -145,7 +139,9 @@ def test_a_region_is_an_event_when_the_ego_reaches_it_and_somebody_else_could():
     assert (inside(alone), inside(watched)) == (0, 1)
 
 
-@pytest.mark.parametrize(("slower", "is_one"), [(OFF_NOMINAL_SPEED - 0.5, False), (OFF_NOMINAL_SPEED + 0.5, True)])
+@pytest.mark.parametrize(
+    ("slower", "is_one"), [(USUAL.off_nominal_speed - 0.5, False), (USUAL.off_nominal_speed + 0.5, True)]
+)
 def test_a_speed_far_from_nominal_is_an_event_once(alone, slower, is_one):
     first = alone.step()
     ego = alone.at_speed(alone.plan.nominal_speed(first.snapshot.s) - slower)
@@ -157,16 +153,16 @@ def test_a_missed_time_constraint_is_an_event(alone):
     first = alone.step()
     due = first.completed.constraints[0].time
     allowed = {"progress_time": due, "delay": 1000.0}
-    assert events_after(alone, first, time=due + TIME_TOLERANCE_S - 0.1, **allowed) == ()
-    missed = events_after(alone, first, time=due + TIME_TOLERANCE_S + 0.1, **allowed)
+    assert events_after(alone, first, time=due + USUAL.time_tolerance_s - 0.1, **allowed) == ()
+    missed = events_after(alone, first, time=due + USUAL.time_tolerance_s + 0.1, **allowed)
     assert missed == (Event(EventKind.CONSTRAINT_MISSED),)
 
 
 def test_a_delay_is_an_event_each_time_that_it_has_grown_by_the_step(alone):
     first = alone.step()
-    assert events_after(alone, first, time=100.0 + DELAY_STEP_S - 0.2) == ()
-    assert events_after(alone, first, time=100.0 + DELAY_STEP_S + 0.2) == (Event(EventKind.DELAY),)
-    assert events_after(alone, first, time=100.0 + DELAY_STEP_S + 0.2, delay=DELAY_STEP_S) == ()
+    assert events_after(alone, first, time=100.0 + USUAL.delay_step_s - 0.2) == ()
+    assert events_after(alone, first, time=100.0 + USUAL.delay_step_s + 0.2) == (Event(EventKind.DELAY),)
+    assert events_after(alone, first, time=100.0 + USUAL.delay_step_s + 0.2, delay=USUAL.delay_step_s) == ()
 
 
 def test_the_executors_feedback_that_no_command_was_admissible_is_an_event(alone):
@@ -246,8 +242,8 @@ def test_a_foe_who_does_something_else_activates_the_pilot_if_that_changes_what_
 def test_want_of_progress_is_an_event(alone):
     first = alone.at_speed(0.0).step()
     still = {"progress_s": first.snapshot.s, "progress_time": 100.0, "delay": 1000.0}
-    assert events_after(alone.at_speed(0.0), first, time=100.0 + NO_PROGRESS_S, **still) == ()
-    found = events_after(alone.at_speed(0.0), first, time=100.1 + NO_PROGRESS_S, **still)
+    assert events_after(alone.at_speed(0.0), first, time=100.0 + USUAL.no_progress_s, **still) == ()
+    found = events_after(alone.at_speed(0.0), first, time=100.1 + USUAL.no_progress_s, **still)
     assert found == (Event(EventKind.NO_PROGRESS),)
 
 

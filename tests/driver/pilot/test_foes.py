@@ -13,7 +13,7 @@ from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.traffic import Body
-from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION, FOE_PATIENCE_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
 from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, HESITATION_S, ZIPPER_LEAD_M
@@ -69,8 +69,8 @@ def test_a_pedestrian_beside_a_crossing_is_waited_for_where_he_goes_first(on_it,
 @pytest.mark.parametrize(("longer", "matters"), [(-0.1, True), (0.1, False)])
 @pytest.mark.parametrize("hesitates", [False, True])
 def test_a_pedestrian_who_does_not_step_on_lets_an_ego_go_that_has_stood_or_hesitated_for_long(longer, matters, hesitates):
-    since = STANDING.time - FOE_PATIENCE_S - longer
-    stood = STANDING.having_stood(FOE_PATIENCE_S + longer).remembering(progress_time=STANDING.time)
+    since = STANDING.time - USUAL.foe_patience_s - longer
+    stood = STANDING.having_stood(USUAL.foe_patience_s + longer).remembering(progress_time=STANDING.time)
     ego = STANDING.remembering(progress_time=since - HESITATION_S) if hesitates else stood
     assert ("x" in rules(ego, walks(0.2, 1.0, 0.0, must_yield=True)).judged) is matters
     assert "x" in rules(ego, walks(0.2, 1.0, 0.2, must_yield=True)).judged
@@ -197,11 +197,11 @@ ROWS: dict[str, tuple[Callable[[float], bool], float, float, float]] = {
     ),
     "m/s at which who must yield before a line can no longer": (
         lambda v: reason(rules(ROLLING, comes(20.0, 10.0, v, must_yield=False, is_yielded_to=True))) is None, 1.0, 12.0,
-        (2.0 * FOE_CAN_STOP_DECELERATION * 10.0) ** 0.5,
+        (2.0 * USUAL.foe_can_stop_deceleration * 10.0) ** 0.5,
     ),
     "m of way to its line from which who must yield can no longer": (
         lambda m: reason(rules(ROLLING, comes(m + 5.0, m, 6.0, must_yield=False, is_yielded_to=True))) is None, -1.0, 9.0,
-        36.0 / (2.0 * FOE_CAN_STOP_DECELERATION),
+        36.0 / (2.0 * USUAL.foe_can_stop_deceleration),
     ),
 }  # fmt: skip
 

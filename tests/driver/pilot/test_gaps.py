@@ -4,20 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.cars import CAR
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
-from sumo_reactive.driver.parameters import (
-    COMFORT_DECELERATION,
-    FOE_ACCELERATION,
-    FOLLOWER_DECELERATION,
-    GAP_AFTER_S,
-    GAP_BEFORE_S,
-    LEAVING_ACCELERATION,
-    MERGE_GAP_S,
-)
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.rules.gaps import (
     FEARED_DECELERATION,
     FOLLOWER_STANDSTILL_GAP_M,
@@ -34,28 +27,29 @@ from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Connection, Control, Turn
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 
+FIVE_METRES = replace(CAR, length=5.0, max_acceleration=2.0)
 OWN = Passing(arrival=1.0, clearance=3.0, merged=2.0, speed=10.0)
 
 
 def test_who_stops_far_behind_a_region_leaves_it_as_fast_as_others():
-    assert stopping_behind(OWN, to_clear=30.0, speed=10.0, to_stop=60.0) == OWN
+    assert stopping_behind(OWN, to_clear=30.0, speed=10.0, to_stop=60.0, gentle=2.0) == OWN
 
 
 def test_who_stops_just_behind_a_region_leaves_it_later():
     """From 10 m/s with 2 m/s² it begins to brake 25 m before its stop, and has 2 m/s left 1 m before it."""
-    own = stopping_behind(OWN, to_clear=29.0, speed=10.0, to_stop=30.0)
+    own = stopping_behind(OWN, to_clear=29.0, speed=10.0, to_stop=30.0, gentle=2.0)
     assert own.clearance == pytest.approx(5.0 / 10.0 + (10.0 - 2.0) / 2.0)
     assert own._replace(clearance=3.0) == OWN
 
 
 def test_who_must_brake_harder_to_stop_behind_it_does_so():
     """From 10 m/s it stops within 12.5 m with 4 m/s², and has 4 m/s left 2 m before its stop."""
-    own = stopping_behind(OWN._replace(clearance=1.1), to_clear=10.5, speed=10.0, to_stop=12.5)
+    own = stopping_behind(OWN._replace(clearance=1.1), to_clear=10.5, speed=10.0, to_stop=12.5, gentle=2.0)
     assert own.clearance == pytest.approx((10.0 - 4.0) / 4.0)
 
 
 def test_who_starts_from_standstill_need_not_brake_before_it_has_left():
-    assert stopping_behind(OWN, to_clear=14.0, speed=0.0, to_stop=15.0) == OWN
+    assert stopping_behind(OWN, to_clear=14.0, speed=0.0, to_stop=15.0, gentle=2.0) == OWN
 
 
 BOTH = Interval(5.0, 8.0)
@@ -77,30 +71,30 @@ def foe(speed: float, to_region: float, kind: ConflictKind = ConflictKind.CROSSI
 
 
 def test_who_keeps_its_speed_is_in_the_region_as_long_as_its_way_takes():
-    own = passing(to_region=20.0, to_clear=28.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=10.0)
+    own = passing(to_region=20.0, to_clear=28.0, speed=10.0, top_speed=10.0, limits=FIVE_METRES)
     assert own == pytest.approx((2.0, 2.8, 2.5, 10.0))
 
 
 def test_who_starts_gains_speed_until_it_has_reached_its_top():
     """With 2 m/s² from a stand: 4 m after 2 s, 9 m after 3 s; at 6 m/s from there on."""
-    own = passing(to_region=4.0, to_clear=15.0, length=5.0, speed=0.0, acceleration=2.0, top_speed=6.0)
+    own = passing(to_region=4.0, to_clear=15.0, speed=0.0, top_speed=6.0, limits=FIVE_METRES)
     assert own == pytest.approx((2.0, 4.0, 3.0, 6.0))
 
 
 def test_who_is_too_fast_for_the_bend_comes_at_the_earliest_at_its_speed_and_leaves_at_the_bends():
     """From 10 to 5 m/s it brakes within 15 m, in 2 s; before that it drives 5 m in half a second."""
-    own = passing(to_region=20.0, to_clear=30.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=5.0)
-    lead = 0.5 + (10.0 - 5.0) / COMFORT_DECELERATION
+    own = passing(to_region=20.0, to_clear=30.0, speed=10.0, top_speed=5.0, limits=FIVE_METRES)
+    lead = 0.5 + (10.0 - 5.0) / USUAL.comfort_deceleration
     assert own == pytest.approx((travel_time(20.0, 10.0, 2.0, 5.0), lead + 10.0 / 5.0, lead + 5.0 / 5.0, 5.0))
 
 
 def test_who_has_no_room_to_brake_for_the_bend_is_there_at_the_mean_of_both_speeds():
-    own = passing(to_region=6.0, to_clear=16.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=5.0)
+    own = passing(to_region=6.0, to_clear=16.0, speed=10.0, top_speed=5.0, limits=FIVE_METRES)
     assert own[1:] == pytest.approx((0.8 + 2.0, 0.8 + 1.0, 5.0))
 
 
 def test_who_is_in_the_bend_already_drives_at_its_speed():
-    own = passing(to_region=-1.0, to_clear=10.0, length=5.0, speed=10.0, acceleration=2.0, top_speed=5.0)
+    own = passing(to_region=-1.0, to_clear=10.0, speed=10.0, top_speed=5.0, limits=FIVE_METRES)
     assert own[1:] == pytest.approx((2.0, 4.0 / 5.0, 5.0))
 
 
@@ -110,39 +104,39 @@ def test_who_turns_round_is_everywhere_for_as_long_as_that_takes():
 
 @pytest.mark.parametrize(("speed", "arrival"), [(1.5, 4.0), (0.2, 12.0)])
 def test_a_pedestrian_keeps_its_pace_and_is_not_taken_for_slower_than_half_a_metre_a_second(speed, arrival):
-    other = threat(foe(speed, 6.0, body=PERSON))
+    other = threat(foe(speed, 6.0, body=PERSON), USUAL)
     assert other == pytest.approx((arrival, arrival * 9.2 / 6.0, arrival * 9.2 / 6.0))
 
 
 def test_a_car_may_come_sooner_than_at_its_speed_and_leave_no_sooner():
     one = foe(8.0, 16.0)
-    other = threat(one)
-    assert other.arrival == pytest.approx(travel_time(16.0, 8.0, FOE_ACCELERATION, 12.0))  # its own top speed
+    other = threat(one, USUAL)
+    assert other.arrival == pytest.approx(travel_time(16.0, 8.0, USUAL.foe_acceleration, 12.0))  # its own top speed
     assert (other.clearance, other.merged) == pytest.approx((24.0 / 8.0, 21.0 / 8.0))
-    assert threat(one, expects_ego=True).arrival == pytest.approx(2.0)
+    assert threat(one, USUAL, expects_ego=True).arrival == pytest.approx(2.0)
 
 
 def test_a_car_that_is_seen_to_gain_speed_leaves_as_soon_as_that_takes_it():
-    other = threat(foe(4.0, 6.0), gaining=1.0)
+    other = threat(foe(4.0, 6.0), USUAL, gaining=1.0)
     assert (other.clearance, other.merged) == pytest.approx(tuple(travel_time(way, 4.0, 1.0, 12.0) for way in (14.0, 11.0)))
-    most = threat(foe(4.0, 6.0), gaining=99.0)
-    assert most.clearance == pytest.approx(travel_time(14.0, 4.0, LEAVING_ACCELERATION, 12.0))
+    most = threat(foe(4.0, 6.0), USUAL, gaining=99.0)
+    assert most.clearance == pytest.approx(travel_time(14.0, 4.0, USUAL.leaving_acceleration, 12.0))
 
 
 def test_a_car_that_stands_in_the_region_is_there_for_long():
-    other = threat(foe(0.0, -2.0))
+    other = threat(foe(0.0, -2.0), USUAL)
     assert other.arrival == 0.0 and other.clearance == pytest.approx(6.0 / STANDING_SPEED)
 
 
 def enough(own: Passing, one: Foe, other: Threat, patience: float = 1.0) -> tuple[bool, bool]:
     """Whether it may pass before the foe, and whether before or after it."""
-    return tuple(is_enough(own, one, other, patience, may_follow=may) for may in (False, True))
+    return tuple(is_enough(own, one, other, USUAL, patience, may_follow=may) for may in (False, True))
 
 
 @pytest.mark.parametrize("patience", [1.0, 0.5])
 def test_in_a_crossing_region_one_is_gone_a_while_before_the_other_comes(patience):
     one, own = foe(8.0, 16.0), Passing(4.0, 6.0, 5.0, 8.0)
-    before, after = GAP_BEFORE_S * patience, GAP_AFTER_S * patience
+    before, after = USUAL.gap_before_s * patience, USUAL.gap_after_s * patience
     assert enough(own, one, Threat(6.0 + before + 0.01, 9.0, 8.0), patience) == (True, True)
     assert enough(own, one, Threat(6.0 + before - 0.01, 9.0, 8.0), patience) == (False, False)
     assert enough(own, one, Threat(1.0, 4.0 - after - 0.01, 8.0), patience) == (False, True)
@@ -154,10 +148,10 @@ def test_where_lanes_merge_whoever_comes_behind_has_time_to_adapt(own_speed, foe
     one, own = foe(foe_speed, 16.0, ConflictKind.MERGING), Passing(4.0, 9.0, 5.0, own_speed)
 
     def adapting(behind: float, ahead: float) -> float:
-        return max(0.0, behind - ahead) ** 2 / (2.0 * FOLLOWER_DECELERATION) / behind
+        return max(0.0, behind - ahead) ** 2 / (2.0 * USUAL.follower_deceleration) / behind
 
-    before = MERGE_GAP_S + adapting(foe_speed, own_speed)
-    after = GAP_AFTER_S + adapting(own_speed, foe_speed)
+    before = USUAL.merge_gap_s + adapting(foe_speed, own_speed)
+    after = USUAL.gap_after_s + adapting(own_speed, foe_speed)
     assert enough(own, one, Threat(5.0 + before + 0.01, 99.0, 99.0)) == (True, True)
     assert enough(own, one, Threat(5.0 + before - 0.01, 99.0, 99.0)) == (False, False)
     assert enough(own, one, Threat(0.0, 99.0, 4.0 - after - 0.01)) == (False, True)
@@ -166,8 +160,8 @@ def test_where_lanes_merge_whoever_comes_behind_has_time_to_adapt(own_speed, foe
 
 def test_a_pedestrian_where_lanes_merge_counts_as_where_they_cross():
     one, own = foe(1.0, 6.0, ConflictKind.MERGING, PERSON), Passing(4.0, 9.0, 5.0, 8.0)
-    assert enough(own, one, Threat(9.0 + GAP_BEFORE_S - 0.01, 20.0, 20.0)) == (False, False)
-    assert enough(own, one, Threat(9.0 + GAP_BEFORE_S + 0.01, 20.0, 20.0)) == (True, True)
+    assert enough(own, one, Threat(9.0 + USUAL.gap_before_s - 0.01, 20.0, 20.0)) == (False, False)
+    assert enough(own, one, Threat(9.0 + USUAL.gap_before_s + 0.01, 20.0, 20.0)) == (True, True)
 
 
 @pytest.mark.parametrize(

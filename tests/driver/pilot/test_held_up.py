@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.forecast import Queue, Queued
 from sumo_reactive.driver.nouns.plan import Aside, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
-from sumo_reactive.driver.parameters import HALTED_ROOM_M, QUEUE_GAIN_S, QUEUE_HEADWAY_S, TURNER_WAIT_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.changing_queues import (
     SWING_OUT_M,
     TURNERS_FEARED,
@@ -38,33 +38,33 @@ def queue(*users: Queued) -> Queue:
 
 
 def test_at_a_red_light_only_who_is_ahead_counts_and_not_how_long_he_stands():
-    assert expected_wait(queue(queued(8), queued(15)), 0.0) == 2 * QUEUE_HEADWAY_S
-    assert expected_wait(queue(), 0.0) == 0.0
+    assert expected_wait(queue(queued(8), queued(15)), 0.0, USUAL) == 2 * USUAL.queue_headway_s
+    assert expected_wait(queue(), 0.0, USUAL) == 0.0
 
 
 def test_cars_that_drive_are_in_no_queue():
-    assert expected_wait(queue(queued(8, 9.0), queued(30, 9.0)), 30.0) == 0.0
+    assert expected_wait(queue(queued(8, 9.0), queued(30, 9.0)), 30.0, USUAL) == 0.0
 
 
 def test_a_head_that_stands_though_it_may_go_will_stand_for_as_long_again():
-    assert expected_wait(queue(queued(30)), 12.0) == QUEUE_HEADWAY_S + 12.0
-    assert expected_wait(queue(queued(30, waiting=7.0)), 12.0) == QUEUE_HEADWAY_S + 7.0
+    assert expected_wait(queue(queued(30)), 12.0, USUAL) == USUAL.queue_headway_s + 12.0
+    assert expected_wait(queue(queued(30, waiting=7.0)), 12.0, USUAL) == USUAL.queue_headway_s + 7.0
 
 
 def test_a_queue_that_drives_off_from_its_head_is_not_held_up():
     discharging = queue(queued(40, 4.0), queued(31), queued(23))
-    assert expected_wait(discharging, 12.0) == 2 * QUEUE_HEADWAY_S
+    assert expected_wait(discharging, 12.0, USUAL) == 2 * USUAL.queue_headway_s
 
 
 def test_somebody_who_has_just_stopped_is_not_held_up():
-    assert expected_wait(queue(queued(30, waiting=1.0)), 12.0) == QUEUE_HEADWAY_S
+    assert expected_wait(queue(queued(30, waiting=1.0)), 12.0, USUAL) == USUAL.queue_headway_s
 
 
 @pytest.mark.parametrize("turners", [1, 2, 5])
 def test_turners_who_have_to_let_others_go_first_add_to_the_wait(turners):
     users = [queued(10.0 + 8.0 * k, yields=True) for k in range(turners)]
-    expected = turners * QUEUE_HEADWAY_S + min(turners, TURNERS_FEARED) * TURNER_WAIT_S
-    assert expected_wait(queue(*users), 0.0) == expected
+    expected = turners * USUAL.queue_headway_s + min(turners, TURNERS_FEARED) * USUAL.turner_wait_s
+    assert expected_wait(queue(*users), 0.0, USUAL) == expected
 
 
 WAY = ParallelLane("from_south_1", "from_south_0", -1, 1.0)
@@ -116,14 +116,14 @@ def test_a_queue_is_not_left_for_one_that_takes_as_long(wait):
 def test_a_change_that_costs_more_must_save_more():
     assert leaving(STUCK, (), way=replace(WAY, cost=1.0)).side == -1
     assert leaving(STUCK, (), way=replace(WAY, cost=9.0)) == LaneChanging()
-    near_cost = (expected_wait(Queue("", STUCK), 20.0) - 1.0) / QUEUE_GAIN_S
+    near_cost = (expected_wait(Queue("", STUCK), 20.0, USUAL) - 1.0) / USUAL.queue_gain_s
     assert leaving(STUCK, (), way=replace(WAY, cost=near_cost)).side == -1
-    assert leaving(STUCK, (), way=replace(WAY, cost=near_cost + 2.0 / QUEUE_GAIN_S)) == LaneChanging()
+    assert leaving(STUCK, (), way=replace(WAY, cost=near_cost + 2.0 / USUAL.queue_gain_s)) == LaneChanging()
 
 
 def test_a_change_that_the_route_asks_for_anyway_still_costs_something():
     one = (queued(20.0, 1.0),)
-    assert expected_wait(Queue("", one), 20.0) < 0.5 * QUEUE_GAIN_S
+    assert expected_wait(Queue("", one), 20.0, USUAL) < 0.5 * USUAL.queue_gain_s
     assert leaving(one, (), way=replace(WAY, cost=-3.0)) == LaneChanging()
 
 
@@ -179,7 +179,7 @@ def test_without_a_gap_the_ego_keeps_room_behind_the_one_ahead():
     change = leaving(STUCK, (), near=(blocker,), users=(x,))
     assert (change.side, change.stop.reason, change.stop.region) == (0, Reason.HELD_UP, WAY.to_lane)
     assert change.stop.cause == "x30"
-    assert change.stop.s == pytest.approx(EGO.seen().front + 30.0 - HALTED_ROOM_M, abs=0.3)
+    assert change.stop.s == pytest.approx(EGO.seen().front + 30.0 - USUAL.halted_room_m, abs=0.3)
     assert leaving(STUCK, (), near=(blocker,)) == LaneChanging()  # nobody ahead to keep room behind
 
 

@@ -9,7 +9,7 @@ from helpers.situations import Situation, before
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import EASY_STOP_DECELERATION, HARD_STOP_DECELERATION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
 from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M, gap_for_follower
@@ -23,19 +23,19 @@ TO_THE_EXIT = ("road_in", "road_before_exit", "exit")
 def test_a_follower_need_not_brake_hard_for_the_ego(speed, slower):
     """SUMO's cars brake 1.2 times as hard as they must to stop behind somebody who brakes with 4.5 m/s²."""
     ahead = speed - slower
-    gap = gap_for_follower(speed, ahead, 0.15, HARD_STOP_DECELERATION) - FOLLOWER_STANDSTILL_GAP_M
+    gap = gap_for_follower(speed, ahead, 0.15, USUAL.hard_stop_deceleration) - FOLLOWER_STANDSTILL_GAP_M
     assert 1.2 * speed * speed / (2.0 * (gap + ahead * ahead / 9.0)) < 4.6
 
 
 def test_a_slower_ego_needs_a_longer_gap():
-    gaps = [gap_for_follower(20.0, ahead, 0.8, EASY_STOP_DECELERATION) for ahead in (20.0, 15.0, 5.0)]
+    gaps = [gap_for_follower(20.0, ahead, 0.8, USUAL.easy_stop_deceleration) for ahead in (20.0, 15.0, 5.0)]
     assert gaps == sorted(gaps)
     assert gaps[0] == pytest.approx(FOLLOWER_STANDSTILL_GAP_M + 16.2, abs=0.5)
 
 
 def test_a_follower_that_stands_or_falls_behind_needs_none():
-    assert gap_for_follower(0.0, 0.0, 0.8, EASY_STOP_DECELERATION) == 0.0
-    assert gap_for_follower(5.0, 15.0, 0.8, EASY_STOP_DECELERATION) == 0.0
+    assert gap_for_follower(0.0, 0.0, 0.8, USUAL.easy_stop_deceleration) == 0.0
+    assert gap_for_follower(5.0, 15.0, 0.8, USUAL.easy_stop_deceleration) == 0.0
 
 
 @pytest.mark.parametrize(("ahead", "is_free"), [(-70.0, True), (-45.0, True), (-5.0, False), (0.0, False), (4.0, False)])

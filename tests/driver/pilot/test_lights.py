@@ -5,7 +5,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.parameters import YELLOW_DECELERATION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.rules.lights import has_passed
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
@@ -97,6 +97,6 @@ def test_a_junction_without_a_light_has_no_letter():
 
 @pytest.mark.parametrize("speed", [6.0, 10.0, 14.0])
 def test_a_yellow_is_stopped_at_only_where_planned_braking_ends_before_the_line(speed):
-    way = speed**2 / (2.0 * YELLOW_DECELERATION) + HARD_STOP_MARGIN_M
+    way = speed**2 / (2.0 * USUAL.yellow_deceleration) + HARD_STOP_MARGIN_M
     assert stop_for("y", way + 0.2, speed).reason is Reason.YELLOW_LIGHT
     assert stop_for("y", way - 0.1, speed) is None

@@ -9,7 +9,7 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.taking_another_way import AT_LANE_END_M, is_missed, waiting_since
 from sumo_reactive.driver.pilot.memory import PilotMemory
 
@@ -45,16 +45,16 @@ def missed(waited: float, away: float = 2.0, passing: float | None = 8.0) -> boo
     return is_missed(SNAPSHOT._replace(neighbours=beside), stop(away), memory)
 
 
-@pytest.mark.parametrize(("waited", "is_over"), [(MISSED_TURN_S - 1.0, False), (MISSED_TURN_S + 1.0, True)])
+@pytest.mark.parametrize(("waited", "is_over"), [(USUAL.missed_turn_s - 1.0, False), (USUAL.missed_turn_s + 1.0, True)])
 def test_at_the_end_of_its_lane_an_ego_that_others_pass_gives_up_soon(waited, is_over):
     assert missed(waited) is is_over
 
 
 @pytest.mark.parametrize(("away", "passing"), [(2.0, None), (2.0, 0.5), (AT_LANE_END_M + 1.0, 8.0)])
 def test_a_queue_may_yet_move_and_so_may_the_ego_on_its_lane(away, passing):
-    assert not missed(MISSED_TURN_S + 1.0, away, passing)
-    assert not missed(QUEUE_PATIENCE_S - 1.0, away, passing)
-    assert missed(QUEUE_PATIENCE_S + 1.0, away, passing)
+    assert not missed(USUAL.missed_turn_s + 1.0, away, passing)
+    assert not missed(USUAL.queue_patience_s - 1.0, away, passing)
+    assert missed(USUAL.queue_patience_s + 1.0, away, passing)
 
 
 def test_who_does_not_wait_misses_nothing():

@@ -10,7 +10,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.forecast import LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside
-from sumo_reactive.driver.parameters import PASSING_CLEARANCE_M, TWO_WHEELER_CLEARANCE_M
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passed import EDGE_MARGIN_M, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
 
 EGO = before("blocked_lane", ("eastbound", "eastbound_out"), 300.0, 8.0)
@@ -39,7 +39,7 @@ def who(situation, **what):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_ego_runs_as_far_aside_as_its_body_needs_on_the_side_of_the_lane_that_it_uses(side):
     lane = beside(side * LANE)
-    needed = HALF_BODY + PASSING_CLEARANCE_M + HALF_EGO
+    needed = HALF_BODY + USUAL.passing_clearance_m + HALF_EGO
     assert lateral_for(seen((lane,)), who(seen((lane,)))) == (pytest.approx(side * needed), lane)
 
 
@@ -51,7 +51,7 @@ def test_on_a_lane_of_its_own_direction_the_ego_runs_in_the_middle():
 @pytest.mark.parametrize("oncoming", [True, False])
 @pytest.mark.parametrize(("more", "is_wide_enough"), [(-0.01, False), (0.01, True)])
 def test_a_lane_that_is_too_narrow_is_not_used(oncoming, more, is_wide_enough):
-    needed = HALF_BODY + PASSING_CLEARANCE_M + HALF_EGO
+    needed = HALF_BODY + USUAL.passing_clearance_m + HALF_EGO
     lane = beside(1.5, oncoming=oncoming, width=2.0 * (needed - 1.5 + more) + CAR.width)
     found = lateral_for(seen((lane,)), who(seen((lane,))))
     assert (found != (0.0, None)) is is_wide_enough
@@ -59,7 +59,7 @@ def test_a_lane_that_is_too_narrow_is_not_used(oncoming, more, is_wide_enough):
 
 @pytest.mark.parametrize(("more", "is_wide_enough"), [(-0.01, False), (0.01, True)])
 def test_on_a_wide_lane_of_its_own_no_other_is_used(more, is_wide_enough):
-    needed = HALF_BODY + PASSING_CLEARANCE_M + HALF_EGO
+    needed = HALF_BODY + USUAL.passing_clearance_m + HALF_EGO
     wide = seen((beside(LANE),), width=2.0 * (needed + EDGE_MARGIN_M + more) + CAR.width)
     assert (lateral_for(wide, who(wide))[1] is None) is is_wide_enough
     without = seen((), width=2.0 * (needed + EDGE_MARGIN_M + more) + CAR.width)
@@ -75,7 +75,7 @@ def test_without_a_lane_and_with_one_that_begins_later_nobody_is_passed():
 def test_two_wheelers_are_given_more_room():
     situation = seen((beside(LANE),))
     bicycle = who(situation, width=0.65)._replace(left=0.3, right=-0.3)
-    assert lateral_for(situation, bicycle)[0] == pytest.approx(0.3 + TWO_WHEELER_CLEARANCE_M + HALF_EGO)
+    assert lateral_for(situation, bicycle)[0] == pytest.approx(0.3 + USUAL.two_wheeler_clearance_m + HALF_EGO)
 
 
 def test_who_leaves_the_ego_its_way_is_passed_without_running_aside():
@@ -107,7 +107,7 @@ def test_where_the_curve_leads_aside_he_is_measured_from_the_lane(back, off):
 def test_the_ego_is_clear_of_him_when_its_rear_is_a_gap_ahead(ahead, is_clear):
     situation = EGO.considered(X)
     x = who(situation)
-    front = situation.snapshot.front - CAR.length - x.gap - ahead
+    front = situation.snapshot.front - CAR.length - x.gap(USUAL) - ahead
     assert bool(is_clear_of(situation, x._replace(front=front))) is is_clear
 
 

@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.driver.nouns.plan import PlannedStop
 from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
-from sumo_reactive.driver.parameters import FOE_PATIENCE_S, MISSED_TURN_S, QUEUE_PATIENCE_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
@@ -52,7 +52,7 @@ def stays(ego: Situation, *users, **connection) -> bool:
 COMING = STANDING.other("comes", "from_west_0", -60.0, 8.0, WEST_EAST)
 
 
-@pytest.mark.parametrize(("users", "patience"), [((QUEUE,), FOE_PATIENCE_S), ((QUEUE, COMING), MISSED_TURN_S)])
+@pytest.mark.parametrize(("users", "patience"), [((QUEUE,), USUAL.foe_patience_s), ((QUEUE, COMING), USUAL.missed_turn_s)])
 def test_a_junction_that_need_not_be_kept_clear_is_kept_clear_for_a_while(users, patience):
     assert turns_at(lambda s: stays(waited(s), *users, keep_clear=False), 0.5, 60.0) == pytest.approx(patience, abs=0.01)
     assert stays(waited(200.0), *users, keep_clear=True)
@@ -86,7 +86,7 @@ def blocked_by_nose(ego: Situation, snapshot: Snapshot) -> bool:
 
 def test_who_waits_with_its_nose_in_the_way_is_waited_for_but_not_for_ever():
     holds = lambda s: blocked_by_nose(waited(s), with_nose(waited(s)))  # noqa: E731
-    assert turns_at(holds, 30.0, 200.0) == pytest.approx(QUEUE_PATIENCE_S, abs=0.01)
+    assert turns_at(holds, 30.0, 200.0) == pytest.approx(USUAL.queue_patience_s, abs=0.01)
     assert not blocked_by_nose(waited(30.0), with_nose(waited(30.0), is_halted=True))
     moving = with_nose(waited(30.0))
     foes = tuple(foe._replace(user=foe.user._replace(speed=5.0)) for foe in moving.foes)

@@ -7,7 +7,7 @@ from helpers.situations import PERIOD, before
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Reason
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import PLANNED_DECELERATION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.world.route import ScheduledStop
 
 ROUTE = ("from_west", "to_east")
@@ -48,7 +48,7 @@ def test_a_stop_just_behind_a_joint_where_nobody_crosses_is_seen_before_it_and_b
     assert seen.completed.behaviour is Behaviour.STOPPING
     assert seen.snapshot.front < ego.line
     speeds = [step.snapshot.ego.speed for step in steps]
-    assert max(a - b for a, b in pairwise(speeds)) < PLANNED_DECELERATION * PERIOD
+    assert max(a - b for a, b in pairwise(speeds)) < USUAL.planned_deceleration * PERIOD
     assert min(speeds) < STANDING_SPEED
 
 

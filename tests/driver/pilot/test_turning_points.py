@@ -10,7 +10,7 @@ from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION, FOE_PATIENCE_S, SIGN_STOP_DECELERATION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.rules.region import OFF_THE_LINE_M
 
 NORTH_SOUTH, SOUTH_NORTH, SOUTH_WEST = ("from_north", "to_south"), ("from_south", "to_north"), ("from_south", "to_west")
@@ -77,7 +77,7 @@ def behind(ego: Situation) -> Holds:
 LEFT = ego_at("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, 1)
 FROM_A_STAND, ROLLING = minor(1.0, 0.0, SOUTH_WEST), minor(8.0, 6.0)
 NEAR_RIGHT = ego_at(RIGHT_FIRST, SOUTH_NORTH, 12.0, 6.0)
-CANNOT_STOP_M = 13.0**2 / (2.0 * FOE_CAN_STOP_DECELERATION)
+CANNOT_STOP_M = 13.0**2 / (2.0 * USUAL.foe_can_stop_deceleration)
 
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m that a fast car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 13.0), 26.0, 150.0, 69.457),
@@ -104,23 +104,23 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m where a faster car behind one that stands is": (queue_ends_at(4.0, 0.0), 3.5, 20.0, 10.7),
     "s that who stands at an all-way stop has waited longer": (stands_there_for(stood(1.0), NORTH_SOUTH), 0.1, 5.0, 1.0),
     "s after which who does not start counts no more": (
-        stands_there_for(stood(FOE_PATIENCE_S + 0.5), NORTH_SOUTH), 4.0, 9.0, 2.0 * FOE_PATIENCE_S,
+        stands_there_for(stood(USUAL.foe_patience_s + 0.5), NORTH_SOUTH), 4.0, 9.0, 2.0 * USUAL.foe_patience_s,
     ),
     "m/s at which who approaches an all-way stop can no longer stop": (
-        stops_at_speed(stood(1.0), NORTH_SOUTH, 8.0), 1.0, 13.0, (2.0 * SIGN_STOP_DECELERATION * 8.0) ** 0.5,
+        stops_at_speed(stood(1.0), NORTH_SOUTH, 8.0), 1.0, 13.0, (2.0 * USUAL.sign_stop_deceleration * 8.0) ** 0.5,
     ),
     "m before its line where who rolls has left its stop": (
         stops_for(stood(1.0), NORTH_SOUTH, 0.5), 0.5, 5.0, OFF_THE_LINE_M,
     ),
     "s of waiting that shorten the patience with who has priority": (
-        stands_there_for(minor(1.0, 0.0).having_stood(1.5), WEST_EAST), 2.0, 8.0, 2.0 * FOE_PATIENCE_S - 1.5,
+        stands_there_for(minor(1.0, 0.0).having_stood(1.5), WEST_EAST), 2.0, 8.0, 2.0 * USUAL.foe_patience_s - 1.5,
     ),
     "m that a car from the right without signs must be away": (stops_for(NEAR_RIGHT, EAST_WEST, 7.0), 12.0, 100.0, 30.497),
     "m/s at which a car from the left can no longer stop": (
-        stops_at_speed(NEAR_RIGHT, WEST_EAST, 15.0), 6.0, 14.0, (2.0 * FOE_CAN_STOP_DECELERATION * 15.0) ** 0.5,
+        stops_at_speed(NEAR_RIGHT, WEST_EAST, 15.0), 6.0, 14.0, (2.0 * USUAL.foe_can_stop_deceleration * 15.0) ** 0.5,
     ),
     "m at which a car from the left can no longer stop": (
-        stops_for(NEAR_RIGHT, WEST_EAST, 6.0), 1.0, 15.0, 36.0 / (2.0 * FOE_CAN_STOP_DECELERATION),
+        stops_for(NEAR_RIGHT, WEST_EAST, 6.0), 1.0, 15.0, 36.0 / (2.0 * USUAL.foe_can_stop_deceleration),
     ),
 }  # fmt: skip
 

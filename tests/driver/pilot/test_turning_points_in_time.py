@@ -19,23 +19,7 @@ from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, Parallel
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import (
-    BEHAVIOUR_TOLERANCE,
-    CAUTIOUS_AHEAD_M,
-    CAUTIOUS_AHEAD_S,
-    COMFORT_DECELERATION,
-    DELAY_STEP_S,
-    HALTED_ROOM_M,
-    NO_PROGRESS_S,
-    OFF_NOMINAL_SPEED,
-    PROGRESS_M,
-    QUEUE_GAIN_S,
-    QUEUE_HEADWAY_S,
-    TIME_TOLERANCE_S,
-    TRUST_AHEAD_S,
-    TRUST_S,
-    TURNAROUND_PATIENCE_S,
-)
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 from sumo_reactive.driver.pilot.behaviours.changing_queues import HEAD_STANDS_S, SWING_OUT_M, leave_queue
 from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
@@ -164,52 +148,53 @@ def begins(away: float = 1.0, speed: float = 0.0, stop: float | None = None, sto
     place = None if stop is None else stop_at(start + stop, Reason.RED_LIGHT)
     plan, over = replace(ego.plan, turnarounds=(turn,)), "" if stood is None else "x"
     reason = place_to_begin(ego.seen(), plan, memory, over).reason
-    assert reason is (Reason.COMES_OVER if stood is not None and stood < TURNAROUND_PATIENCE_S else Reason.NARROW_TURN)
+    assert reason is (Reason.COMES_OVER if stood is not None and stood < USUAL.turnaround_patience_s else Reason.NARROW_TURN)
     return turn_round(ego.seen(), plan, place, memory, comes_over=over) is not None
 
 
 BRAKING = 6.0**2 / (2.0 * CAR.comfort_deceleration)
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m before the line that a junction is near": (
-        stage_changes, 30.0, 90.0, CAUTIOUS_AHEAD_M + 8.0 * CAUTIOUS_AHEAD_S + 64.0 / (2.0 * COMFORT_DECELERATION),
+        stage_changes, 30.0, 90.0,
+        USUAL.cautious_ahead_m + 8.0 * USUAL.cautious_ahead_s + 64.0 / (2.0 * USUAL.comfort_deceleration),
     ),
     "m before the line that the ego enters": (lambda m: stage_changes(m, 20.0), 1.0, 15.0, ENTERING_M),
     "m before the line that it is inside": (lambda m: stage_changes(m, 3.0), -2.0, 3.0, 0.0),
-    "s until a delay": (after(EventKind.DELAY, delay=0.0), 0.0, 20.0, DELAY_STEP_S),
-    "s until a greater delay": (after(EventKind.DELAY, delay=4.0), 0.0, 20.0, DELAY_STEP_S + 4.0),
-    "s without progress": (after(EventKind.NO_PROGRESS, progress_time=100.0), 0.0, 90.0, NO_PROGRESS_S),
+    "s until a delay": (after(EventKind.DELAY, delay=0.0), 0.0, 20.0, USUAL.delay_step_s),
+    "s until a greater delay": (after(EventKind.DELAY, delay=4.0), 0.0, 20.0, USUAL.delay_step_s + 4.0),
+    "s without progress": (after(EventKind.NO_PROGRESS, progress_time=100.0), 0.0, 90.0, USUAL.no_progress_s),
     "s without progress after two escapes": (
-        after(EventKind.NO_PROGRESS, progress_time=100.0, escapes=2), 0.0, 90.0, 3.0 * NO_PROGRESS_S,
+        after(EventKind.NO_PROGRESS, progress_time=100.0, escapes=2), 0.0, 90.0, 3.0 * USUAL.no_progress_s,
     ),
     "s until a stop is served": (after(EventKind.TIME_REACHED, serving_until=103.0), 0.0, 9.0, 3.0),
     "s until a constraint is missed": (
-        after(EventKind.CONSTRAINT_MISSED), 0.0, 90.0, road().plan.time_constraints[0].time + TIME_TOLERANCE_S - 100.0,
+        after(EventKind.CONSTRAINT_MISSED), 0.0, 90.0, road().plan.time_constraints[0].time + USUAL.time_tolerance_s - 100.0,
     ),
     "m/s of a standstill": (speed_changes(EventKind.STANDSTILL, 0.0), 0.0, 2.0, STANDING_SPEED),
     "m/s off nominal": (
         speed_changes(EventKind.OFF_NOMINAL, 15.0), 8.0, 15.0,
-        road().plan.nominal_speed(road().seen().s) - OFF_NOMINAL_SPEED,
+        road().plan.nominal_speed(road().seen().s) - USUAL.off_nominal_speed,
     ),
-    "m/s of another who slows down": (other_changes, 4.0, 8.0, 8.0 - BEHAVIOUR_TOLERANCE),
-    "m/s of another who speeds up": (other_changes, 8.0, 12.0, 8.0 + BEHAVIOUR_TOLERANCE),
+    "m/s of another who slows down": (other_changes, 4.0, 8.0, 8.0 - USUAL.behaviour_tolerance),
+    "m/s of another who speeds up": (other_changes, 8.0, 12.0, 8.0 + USUAL.behaviour_tolerance),
     "s that a light has let a queue go": (
-        lambda s: leaves(STUCK, go=s).side != 0, 0.5, 20.0, QUEUE_GAIN_S - 2 * QUEUE_HEADWAY_S,
+        lambda s: leaves(STUCK, go=s).side != 0, 0.5, 20.0, USUAL.queue_gain_s - 2 * USUAL.queue_headway_s,
     ),
     "s that its head has stood": (
         lambda s: leaves((queued(30.0, waiting=s), queued(22.0)), cost=0.6).side != 0, 0.5, 20.0, HEAD_STANDS_S,
     ),
     "m of a queue that drives off": (lambda m: leaves((queued(34.7 + m, 4.0), queued(30.0))).side != 0, 1.0, 30.0, 12.0),
     "m of room to swing out of a queue": (lambda m: leaves(STUCK, x=m).side != 0, 2.0, 40.0, SWING_OUT_M + BRAKING),
-    "m that room is kept behind who has halted": (keeps_room(6.0), 8.0, 40.0, HALTED_ROOM_M + BRAKING - 0.5),
-    "m that an ego which stands is near enough": (lambda m: keeps_room(0.0)(m), 5.0, 8.4, HALTED_ROOM_M - 1.5),
-    "m that make the ego back up": (backs_up, 3.0, 8.0, HALTED_ROOM_M - 1.5),
-    "m until which it backs up": (lambda m: backs_up(m, -0.5), 3.0, 9.0, HALTED_ROOM_M - 0.02),
+    "m that room is kept behind who has halted": (keeps_room(6.0), 8.0, 40.0, USUAL.halted_room_m + BRAKING - 0.5),
+    "m that an ego which stands is near enough": (lambda m: keeps_room(0.0)(m), 5.0, 8.4, USUAL.halted_room_m - 1.5),
+    "m that make the ego back up": (backs_up, 3.0, 8.0, USUAL.halted_room_m - 1.5),
+    "m until which it backs up": (lambda m: backs_up(m, -0.5), 3.0, 9.0, USUAL.halted_room_m - 0.02),
     "m/s of an ego that does not back up": (lambda v: backs_up(3.0, v), 0.0, 1.0, STANDING_SPEED),
-    "m ahead of who is to blame": (is_blamed, 3.0, 20.0, HALTED_ROOM_M + 1.0),
+    "m ahead of who is to blame": (is_blamed, 3.0, 20.0, USUAL.halted_room_m + 1.0),
     "m before a turn in several moves": (lambda m: begins(away=m), 0.0, 5.0, TURNAROUND_REACHED_M),
     "m/s before a turn in several moves": (lambda v: begins(speed=v), 0.0, 1.0, STANDING_SPEED),
     "m behind its beginning that a stop keeps it": (lambda m: begins(stop=m), 2.0, 20.0, 11.0),
-    "s that it lets others come over": (lambda s: begins(stood=s), 1.0, 60.0, TURNAROUND_PATIENCE_S),
+    "s that it lets others come over": (lambda s: begins(stood=s), 1.0, 60.0, USUAL.turnaround_patience_s),
 }  # fmt: skip
 
 
@@ -223,11 +208,13 @@ def test_near_a_junction_the_others_are_foreseen_anew_sooner_than_far_from_it_an
     far, near = (ego_at("four_way_priority", SOUTH_NORTH, away, 8.0) for away in (60.0, 30.0))
     approaching = far.remembering(behaviour=Behaviour.CAUTIOUS)
     foe = far.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
-    assert (trusts_for(approaching, foe), trusts_for(near, foe)) == pytest.approx((TRUST_AHEAD_S, TRUST_S))
+    assert (trusts_for(approaching, foe), trusts_for(near, foe)) == pytest.approx((USUAL.trust_ahead_s, USUAL.trust_s))
     assert trusts_for(far, foe) == trusts_for(near) == float("inf")
 
 
-@pytest.mark.parametrize(("way", "escapes"), [(PROGRESS_M - 0.1, 2), (PROGRESS_M + 0.1, 0), (-PROGRESS_M - 0.1, 0)])
+@pytest.mark.parametrize(
+    ("way", "escapes"), [(USUAL.progress_m - 0.1, 2), (USUAL.progress_m + 0.1, 0), (-USUAL.progress_m - 0.1, 0)]
+)
 def test_an_ego_that_gets_on_forgets_its_escapes(way, escapes):
     snapshot = minor().seen()
     memory = PilotMemory(progress_s=snapshot.s - way, progress_time=7.0, escapes=2, standing_since=50.0)
@@ -254,7 +241,7 @@ def test_a_decision_is_confirmed_while_the_code_asks_a_moving_ego_for_the_same()
     view = view_of(later, ego.plan, CAR, passages_ahead(ego.graph, ego.plan, later.passages))
     found = confirm(view, held, memory)
     assert found is not None and found.premises is not None and memory.premises is not None
-    assert (found.premises.time, found.premises.trusted_until) == pytest.approx((100.4, 100.4 + TRUST_S))
+    assert (found.premises.time, found.premises.trusted_until) == pytest.approx((100.4, 100.4 + USUAL.trust_s))
     kept = memory.premises._replace(time=100.4, trusted_until=found.premises.trusted_until)
     assert found == memory._replace(premises=kept._replace(speeds=found.premises.speeds))
     assert confirm(view._replace(snapshot=ego.seen()._replace(time=100.4)), held, memory) is None

@@ -12,7 +12,7 @@ from helpers.turning_points import turns_at
 from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import CUT_PATIENCE_S, LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
 from sumo_reactive.driver.pilot.situation import LaneChanging
@@ -92,8 +92,8 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m ahead who is faster near the end": (changes(40.0, 10.0, 14.0, 1.0), 4.0, 90.0, 8.700),
     "m behind who is slower near the end": (changes(40.0, 8.0, 5.0, -1.0), 4.0, 120.0, 5.334),
     "m ahead who is slower near the end": (changes(40.0, 8.0, 5.0, 1.0), 4.0, 90.0, 9.667),
-    "m before the last place in time": (alone(15.0), 30.0, 390.0, 20.0 + 15.0 * LANE_CHANGE_LOOK_AHEAD_S),
-    "m before the last place in way": (alone(5.0), 30.0, 390.0, 20.0 + LANE_CHANGE_LOOK_AHEAD_M),
+    "m before the last place in time": (alone(15.0), 30.0, 390.0, 20.0 + 15.0 * USUAL.lane_change_look_ahead_s),
+    "m before the last place in way": (alone(5.0), 30.0, 390.0, 20.0 + USUAL.lane_change_look_ahead_m),
     "m of lane that a fast change needs": (alone(15.0), 12.0, 100.0, 20.0),
     "m of lane that a slow change needs": (alone(3.0), 10.0, 100.0, 13.514),
     "m before the end to wait for another gap": (lambda m: calls_off(begun(m), -5.0, 15.0), 40.0, 200.0, 64.849),
@@ -102,11 +102,11 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m behind of who creeps": (lambda m: calls_off(begun(200.0, 0.5), -m, 0.6), 3.0, 6.0, 5.0),
     "share of a change that may be called off": (seeks_after, 0.1, 0.9, CALL_OFF_SHARE),
     "m behind of a cut": (cuts_behind(0.0), 5.0, 120.0, 26.988),
-    "m behind of a cut after half the patience": (cuts_behind(0.5 * CUT_PATIENCE_S), 5.0, 120.0, 23.089),
-    "m behind of a cut after all patience": (cuts_behind(CUT_PATIENCE_S), 5.0, 120.0, 20.336),
-    "m behind of a cut long after": (cuts_behind(2.0 * CUT_PATIENCE_S), 5.0, 120.0, 20.336),
+    "m behind of a cut after half the patience": (cuts_behind(0.5 * USUAL.cut_patience_s), 5.0, 120.0, 23.089),
+    "m behind of a cut after all patience": (cuts_behind(USUAL.cut_patience_s), 5.0, 120.0, 20.336),
+    "m behind of a cut long after": (cuts_behind(2.0 * USUAL.cut_patience_s), 5.0, 120.0, 20.336),
     "m before of a cut": (cuts_before(0.0), 16.0, 120.0, 32.951),
-    "m before of a cut after all patience": (cuts_before(CUT_PATIENCE_S), 16.0, 120.0, 25.771),
+    "m before of a cut after all patience": (cuts_before(USUAL.cut_patience_s), 16.0, 120.0, 25.771),
     "m before a cut that are too short to stop": (
         lambda m: cutting(m, -10.0, 12.0).stop is None, 2.0, 40.0, 100.0 / (2.0 * CAR.service_deceleration),
     ),

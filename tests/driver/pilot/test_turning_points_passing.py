@@ -11,7 +11,7 @@ from helpers.turning_points import turns_at
 from sumo_reactive.driver.controller import Controller
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.nouns.traffic import RoadUser
-from sumo_reactive.driver.parameters import FOLLOWING_M, OVERTAKING_SIGHT_M
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.overtaking import HALTED_AHEAD_S
 
 COUNTRY, ONCOMING = ("eastbound", "eastbound_out"), ("westbound", "westbound_out")
@@ -22,7 +22,7 @@ Holds = Callable[[float], bool]
 ego_at = cache(before)
 
 
-def passes(ego: Situation, *users: RoadUser, sight: float = OVERTAKING_SIGHT_M) -> bool:
+def passes(ego: Situation, *users: RoadUser, sight: float = USUAL.overtaking_sight_m) -> bool:
     """Whether the ego pulls out now."""
     step = Controller(ego.graph, CAR).step(ego.traffic(*users, sight=sight), ego.drive(), PERIOD)
     return step.completed.behaviour is Behaviour.OVERTAKING
@@ -32,7 +32,9 @@ def late(away: float = 620.0, speed: float = SLOW, by: float = 3.0) -> Situation
     return ego_at("two_way_road", COUNTRY, away, speed).late_by(by)
 
 
-def behind_x(ego: Situation, *others: RoadUser, gap: float = GAP, speed: float = SLOW, sight=OVERTAKING_SIGHT_M) -> bool:
+def behind_x(
+    ego: Situation, *others: RoadUser, gap: float = GAP, speed: float = SLOW, sight=USUAL.overtaking_sight_m
+) -> bool:
     return passes(ego, ego.ahead("x", gap, speed), *others, sight=sight)
 
 
@@ -79,7 +81,7 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m that oncoming traffic at the limit's speed must be away": (oncoming(20.0), 200.0, 700.0, 438.524),
     "m that faster oncoming traffic must be away": (oncoming(30.0), 200.0, 700.0, 520.273),
     "m that somebody who stands on the oncoming lane must be away": (oncoming(0.0), 150.0, 300.0, 205.217),
-    "m that the ego must have looked": (lambda m: behind_x(late(), sight=m), 500.0, 700.0, OVERTAKING_SIGHT_M),
+    "m that the ego must have looked": (lambda m: behind_x(late(), sight=m), 500.0, 700.0, USUAL.overtaking_sight_m),
     "m of gap that is too long": (lambda m: behind_x(late(), gap=m), GAP, 60.0, 15.1),
     "m of gap that is too short": (lambda m: behind_x(late(), gap=m), 2.0, GAP, 6.3),
     "m/s of X that is too fast": (lambda v: behind_x(late(), speed=v), SLOW, 20.0, 9.76),
@@ -88,7 +90,7 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "s of delay": (lambda s: behind_x(late(by=s)), 0.0, 3.0, 1.584),
     "m before the junction": (lambda m: behind_x(late(m)), 50.0, 400.0, 117.464),
     "m of gap behind somebody who has halted": (
-        lambda m: halted(street(), m), 20.0, 60.0, FOLLOWING_M + 6.0 * HALTED_AHEAD_S,
+        lambda m: halted(street(), m), 20.0, 60.0, USUAL.following_m + 6.0 * HALTED_AHEAD_S,
     ),
     "m of room to swing out": (lambda m: halted(street(), m), 2.0, 20.0, 11.473),
     "m before the junction that a halted car is passed": (lambda m: halted(street(m)), 25.0, 150.0, 42.747),

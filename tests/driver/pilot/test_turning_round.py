@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, WHEELS_TURNED_RAD, Move, Turnaround
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import TURNAROUND_PATIENCE_S
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
 
 STREET = ("eastbound", "eastbound_out")
@@ -111,7 +111,7 @@ def test_who_comes_over_the_ground_is_let_pass_but_not_for_ever():
     assert turn_round(snapshot, ego.plan, None, ego.memory, comes_over="x") is None
     stop = place_to_begin(snapshot, ego.plan, ego.memory, "x")
     assert (stop.s, stop.reason, stop.cause) == (turn.start, Reason.COMES_OVER, "x")
-    patient = ego.memory._replace(standing_since=snapshot.time - TURNAROUND_PATIENCE_S)
+    patient = ego.memory._replace(standing_since=snapshot.time - USUAL.turnaround_patience_s)
     assert turn_round(snapshot, ego.plan, None, patient, comes_over="x") is not None
 
 

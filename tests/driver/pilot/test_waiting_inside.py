@@ -11,7 +11,7 @@ from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import FOE_CAN_STOP_DECELERATION
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M
 
 SOUTH_NORTH, SOUTH_WEST = ("from_south", "to_north"), ("from_south", "to_west")
@@ -78,10 +78,10 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m inside of who rolls": (lambda m: waits_inside(m, 1.2), 1.0, 13.0, waiting_place() - braking(1.2)),
     "m/s of who has come a little too far": (lambda v: waits_inside(waiting_place() + 0.5, v), 0.0, 3.0, CREEPING_SPEED),
     "m/s at which a left turner no longer stops at its place": (
-        left_turner(False), 5.0, 20.0, (2.0 * FOE_CAN_STOP_DECELERATION * (5.0 + to_its_place())) ** 0.5,
+        left_turner(False), 5.0, 20.0, (2.0 * USUAL.foe_can_stop_deceleration * (5.0 + to_its_place())) ** 0.5,
     ),
     "m/s at which a left turner inside no longer stops at its place": (
-        left_turner(True), 2.0, 12.0, (2.0 * FOE_CAN_STOP_DECELERATION * (to_its_place() - 5.0)) ** 0.5,
+        left_turner(True), 2.0, 12.0, (2.0 * USUAL.foe_can_stop_deceleration * (to_its_place() - 5.0)) ** 0.5,
     ),
 }  # fmt: skip
 

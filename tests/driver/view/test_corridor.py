@@ -9,7 +9,7 @@ from helpers.cars import CAR
 from helpers.curves import STEP, straight, turning
 
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.parameters import CORRIDOR_MARGIN_M
+from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.view.corridor import CorridorSides, band_of, blocking_ones
 
 BUS = replace(CAR, length=12.0, width=2.5, wheelbase=7.2, front_overhang=2.16)
@@ -115,8 +115,8 @@ def test_in_a_steady_turn_the_corridor_holds_what_axle_and_bumper_sweep(radius, 
     outer = math.sqrt(radius**2 + overhang**2 + 2.0 * overhang * length) - radius
     band, last = band_of(ring, BUS), len(ring.x) - 1 - int((length + overhang) / STEP)
     within, beyond = (band.left, band.right) if side > 0.0 else (band.right, band.left)
-    assert within[last // 2] == pytest.approx(0.5 * BUS.width + max(inner, CORRIDOR_MARGIN_M), abs=0.1 * inner + 0.05)
-    assert beyond[last - 2] == pytest.approx(0.5 * BUS.width + max(outer, CORRIDOR_MARGIN_M), abs=0.1 * outer + 0.05)
+    assert within[last // 2] == pytest.approx(0.5 * BUS.width + max(inner, USUAL.corridor_margin_m), abs=0.1 * inner + 0.05)
+    assert beyond[last - 2] == pytest.approx(0.5 * BUS.width + max(outer, USUAL.corridor_margin_m), abs=0.1 * outer + 0.05)
     assert band.widest == pytest.approx(max(band.left.max(), band.right.max()))
 
 

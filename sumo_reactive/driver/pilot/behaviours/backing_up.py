@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import HALTED_ROOM_M
 from sumo_reactive.driver.pilot.passed import lateral_for, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
@@ -20,7 +19,7 @@ BACK_UP_CLEAR_M = 2.0
 """Room that must be left behind the ego after backing up."""
 
 _TOO_NEAR_M = 1.5
-"""An ego that stands by this much nearer than HALTED_ROOM_M backs up…"""
+"""An ego that stands by this much nearer than `halted_room_m` backs up…"""
 
 _BACKED_UP_M = 0.02
 """…until it is no nearer than by this."""
@@ -43,7 +42,7 @@ def room_behind(situation: Situation) -> TimeConstraint | None:
     x, snapshot = situation.ahead_of_ego, situation.snapshot
     if x is None or not x.user.is_halted or lateral_for(situation, passed(situation, x))[0] == 0.0:
         return None
-    place = x.start - HALTED_ROOM_M
+    place = x.start - situation.limits.parameters.halted_room_m
     braking = snapshot.ego.speed**2 / (2.0 * situation.limits.comfort_deceleration)
     if place < snapshot.front and snapshot.ego.speed < STANDING_SPEED and not _is_too_near(situation, x):
         place = snapshot.front  # near enough to the room it needs: stay
@@ -58,13 +57,13 @@ def escape(situation: Situation) -> Escape | None:
     """
     x = situation.ahead_of_ego
     if x is not None and _is_too_near(situation, x):
-        place = x.start - HALTED_ROOM_M
+        place = x.start - situation.limits.parameters.halted_room_m
         stop = stop_at(place, Reason.BLOCKED, cause=x.user.id)
         return Escape(_decision(Reason.BLOCKED, x.user.id), Instruction.BACK_UP, stop)
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
         return None
-    if x is not None and x.start - situation.snapshot.front < HALTED_ROOM_M + 1.0:
+    if x is not None and x.start - situation.snapshot.front < situation.limits.parameters.halted_room_m + 1.0:
         return Escape(_decision(Reason.BLOCKED, x.user.id))
     decision = _decision(Reason.NO_PROGRESS, "")
     if situation.memory.escapes % 2 == 0:
@@ -94,15 +93,15 @@ def _is_too_near(situation: Situation, x: PathObstacle) -> bool:
         return False
     gap = x.start - snapshot.front
     backing = snapshot.ego.speed < -STANDING_SPEED
-    enough = HALTED_ROOM_M - (_BACKED_UP_M if backing else _TOO_NEAR_M)
+    enough = situation.limits.parameters.halted_room_m - (_BACKED_UP_M if backing else _TOO_NEAR_M)
     if gap > enough or _would_back_into_junction(situation, x) or lateral_for(situation, passed(situation, x))[0] == 0.0:
         return False
-    return _is_free_behind(situation, HALTED_ROOM_M - gap + BACK_UP_CLEAR_M)
+    return _is_free_behind(situation, situation.limits.parameters.halted_room_m - gap + BACK_UP_CLEAR_M)
 
 
 def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
     """Whether the ego's rear would come to stand inside an intersection that it has passed."""
-    rear, front = x.start - HALTED_ROOM_M - situation.limits.length, situation.snapshot.front
+    rear, front = x.start - situation.limits.parameters.halted_room_m - situation.limits.length, situation.snapshot.front
     return any(passage.start < front and rear < passage.end for passage in situation.plan.passages)
 
 
@@ -121,7 +120,7 @@ def _is_free_behind(situation: Situation, way: float) -> bool:
 def is_too_near(situation: Situation) -> bool:
     """The ego stands too near behind somebody who has halted to swing out past him, and there is room behind."""
     x = situation.ahead_of_ego
-    return x is not None and has(Mechanism.ESCAPE) and _is_too_near(situation, x)
+    return x is not None and situation.limits.parameters.has(Mechanism.ESCAPE) and _is_too_near(situation, x)
 
 
 def has_room(situation: Situation) -> bool:

@@ -12,7 +12,7 @@ from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 def intersection_is_near(situation: Situation) -> bool:
     """M approaches an intersection where somebody may cross its path or a light speaks, and has not passed the line."""
-    return _is_ahead(situation, reach_of(situation.snapshot.ego.speed))
+    return _is_ahead(situation, reach_of(situation.snapshot))
 
 
 def no_intersection_is_ahead(situation: Situation) -> bool:

@@ -13,21 +13,6 @@ from sumo_reactive.driver.nouns.plan import (
 )
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import (
-    CUT_PATIENCE_S,
-    EASY_STOP_DECELERATION,
-    FOLLOWER_DECELERATION,
-    FOLLOWER_HEADWAY_S,
-    HARD_STOP_DECELERATION,
-    LANE_CHANGE_GAP_M,
-    LANE_CHANGE_LOOK_AHEAD_M,
-    LANE_CHANGE_LOOK_AHEAD_S,
-    LANE_CHANGE_REACTION_S,
-    URGENT_DECELERATION,
-    URGENT_M,
-    URGENT_REACTION_S,
-    URGENT_S,
-)
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -68,7 +53,8 @@ def seeks(snapshot: Snapshot, plan: NominalPlan) -> bool:
 
 
 def _horizon(snapshot: Snapshot) -> float:
-    return max(LANE_CHANGE_LOOK_AHEAD_M, LANE_CHANGE_LOOK_AHEAD_S * snapshot.ego.speed)
+    p = snapshot.parameters
+    return max(p.lane_change_look_ahead_m, p.lane_change_look_ahead_s * snapshot.ego.speed)
 
 
 def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waited: float = 0.0) -> LaneChanging:
@@ -85,7 +71,8 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     if change is None:
         aside = snapshot.off_tracking
         return LaneChanging() if aside is None else _before_cut(snapshot, aside, plan, limits, waited)
-    left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
+    left, p = change.start - snapshot.front, limits.parameters
+    pressing = max(p.urgent_m, p.urgent_s * snapshot.ego.speed)
     urgency = min(1.0, max(0.0, 1.0 - left / pressing))
     blocker = _blocker(snapshot, limits, urgency)
     if not blocker:
@@ -99,7 +86,7 @@ def _called_off(snapshot: Snapshot, plan: NominalPlan, begun: LaneChange, limits
 
     Who creeps up from behind only comes as near as cars stand behind each other.
     """
-    creeping = LANE_CHANGE_GAP_M / 2.0 + limits.length
+    creeping = snapshot.parameters.lane_change_gap_m / 2.0 + limits.length
     closing = (n for n in snapshot.neighbours if n.user.speed > CREEPING_SPEED or n.ahead > -creeping)
     blocker = next((n.user.id for n in closing if not leaves_gap(n, snapshot.ego.speed, limits, 1.0)), "")
     if not blocker or not _may_wait(snapshot, plan, limits):
@@ -126,7 +113,7 @@ def _before_cut(
     if left < speed * speed / (2.0 * limits.service_deceleration):
         return LaneChanging()
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(cut.start))
-    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / CUT_PATIENCE_S, 1.0)
+    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.cut_patience_s, 1.0)
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
@@ -163,15 +150,16 @@ def leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgenc
 
     `urgency` (0..1) trades comfort for the change.
     """
-    other, least = neighbour.user, LANE_CHANGE_GAP_M * (1.0 - 0.5 * urgency)
+    other, p = neighbour.user, limits.parameters
+    least = p.lane_change_gap_m * (1.0 - 0.5 * urgency)
     if neighbour.ahead >= 0.0:
-        reaction = LANE_CHANGE_REACTION_S + urgency * (URGENT_REACTION_S - LANE_CHANGE_REACTION_S)
-        braking = FOLLOWER_DECELERATION + urgency * (URGENT_DECELERATION - FOLLOWER_DECELERATION)
+        reaction = p.lane_change_reaction_s + urgency * (p.urgent_reaction_s - p.lane_change_reaction_s)
+        braking = p.follower_deceleration + urgency * (p.urgent_deceleration - p.follower_deceleration)
         closing = max(0.0, speed - other.speed)
         gap, needed = neighbour.ahead - other.body.length, least + reaction * speed + closing * closing / (2.0 * braking)
     else:
-        headway = FOLLOWER_HEADWAY_S + urgency * (URGENT_REACTION_S - FOLLOWER_HEADWAY_S)
-        braking = EASY_STOP_DECELERATION + urgency * (HARD_STOP_DECELERATION - EASY_STOP_DECELERATION)
+        headway = p.follower_headway_s + urgency * (p.urgent_reaction_s - p.follower_headway_s)
+        braking = p.easy_stop_deceleration + urgency * (p.hard_stop_deceleration - p.easy_stop_deceleration)
         gap, needed = -neighbour.ahead - limits.length, max(least, gap_for_follower(other.speed, speed, headway, braking))
     return gap > needed
 

@@ -10,7 +10,7 @@ from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
 from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
-from sumo_reactive.driver.parameters import HALTED_ROOM_M, QUEUE_GAIN_S, QUEUE_HEADWAY_S, TURNER_WAIT_S
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, follow_curve, leaves_gap, pending
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
@@ -27,7 +27,8 @@ HEAD_STANDS_S = 2.0
 """The head of a queue that stands for less while it may go is about to start; for longer, it waits for something else."""
 
 SWING_OUT_M = 6.0
-"""Room behind somebody who stands that a car needs to leave the lane past him; HALTED_ROOM_M is what it keeps if it can."""
+"""Room behind somebody who stands that a car needs to leave the lane past him; `halted_room_m` is what it keeps if it
+can."""
 
 _CREEPING_ROOM_M = 0.5
 """Beyond its braking distance: who creeps is not stopped on the spot."""
@@ -67,9 +68,9 @@ def leave_queue(
     if go <= 0.0 and snapshot.ego.speed < CREEPING_SPEED:
         return LaneChanging()
     own, *others = outlook.queues
-    best = min(others, key=lambda queue: _cost(queue, go))
+    best = min(others, key=lambda queue: _cost(queue, go, limits.parameters))
     cause = _holds_up(own, go)
-    if best.way is None or cause is None or expected_wait(own, go) < _cost(best, go):
+    if best.way is None or cause is None or expected_wait(own, go, limits.parameters) < _cost(best, go, limits.parameters):
         return LaneChanging()
     room = way.line - snapshot.front
     if room < max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed):
@@ -77,7 +78,7 @@ def leave_queue(
     return _leave(snapshot, best, best.way, cause, limits)
 
 
-def expected_wait(queue: Queue, go: float) -> float:
+def expected_wait(queue: Queue, go: float, parameters: Parameters) -> float:
     """Return how long (s) the queue is expected to hold up the ego at a light that has let it `go` for some time (s).
 
     Its cars pass one after the other; turners wait for their gaps; a head that stands though it may go, for reasons that
@@ -85,13 +86,13 @@ def expected_wait(queue: Queue, go: float) -> float:
     """
     queued = [one for one in queue.users if one.user.speed < QUEUED_SPEED]
     turners = min(sum(one.yields for one in queued), TURNERS_FEARED)
-    return QUEUE_HEADWAY_S * len(queued) + TURNER_WAIT_S * turners + _stuck_for(queue, go)
+    return parameters.queue_headway_s * len(queued) + parameters.turner_wait_s * turners + _stuck_for(queue, go)
 
 
-def _cost(queue: Queue, go: float) -> float:
+def _cost(queue: Queue, go: float, parameters: Parameters) -> float:
     """Return the wait (s) that a lane beside promises, with what the change to it costs."""
     changes = max(queue.way.cost, _LEAST_COST) if queue.way else math.inf
-    return expected_wait(queue, go) + QUEUE_GAIN_S * changes
+    return expected_wait(queue, go, parameters) + parameters.queue_gain_s * changes
 
 
 def _stuck_for(queue: Queue, go: float) -> float:
@@ -138,7 +139,8 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
         why = Decision(Behaviour.NORMAL, Reason.HELD_UP, way.to_lane, cause.user.id, passes=True)
         return LaneChanging(way.side, why=why)
-    place, nearest = x - HALTED_ROOM_M, snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
+    place = x - limits.parameters.halted_room_m
+    nearest = snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
     if place < nearest and speed >= CREEPING_SPEED:
         return LaneChanging()
     place = max(place, nearest + (_CREEPING_ROOM_M if speed > STANDING_SPEED else 0.0))

@@ -8,16 +8,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import (
-    FOLLOWING_M,
-    FOLLOWING_S,
-    OFF_CURVE_EPSILON_M,
-    OVERTAKING_SIGHT_M,
-    SETTLED_SPEED,
-    SLOW_SHARE,
-    SLOWER_BY,
-)
-from sumo_reactive.driver.pilot.manoeuvre import UNDER_WAY, in_the_way_back, proof, prove
+from sumo_reactive.driver.pilot.manoeuvre import in_the_way_back, proof, prove, under_way
 from sumo_reactive.driver.pilot.memory import Overtaking
 from sumo_reactive.driver.pilot.passed import Passed, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Proof, Situation
@@ -38,11 +29,12 @@ def follows_x(situation: Situation) -> bool:
     x = situation.ahead_of_ego
     if x is None or situation.snapshot.ego.speed < -STANDING_SPEED:
         return False
-    speed, gap = situation.snapshot.ego.speed, x.start - situation.snapshot.front
+    speed, gap, p = situation.snapshot.ego.speed, x.start - situation.snapshot.front, situation.limits.parameters
     if x.user.is_halted:
-        return gap < FOLLOWING_M + HALTED_AHEAD_S * speed
+        return gap < p.following_m + HALTED_AHEAD_S * speed
     road = situation.plan.road_speed(situation.snapshot.s)
-    return 0.5 < x.along < min(SLOW_SHARE * road, road - SLOWER_BY) and gap < FOLLOWING_M + FOLLOWING_S * speed
+    is_slow = 0.5 < x.along < min(p.slow_share * road, road - p.slower_by)
+    return is_slow and gap < p.following_m + p.following_s * speed
 
 
 def has_settled(situation: Situation) -> bool:
@@ -53,13 +45,14 @@ def has_settled(situation: Situation) -> bool:
     gap = x.start - snapshot.front - limits.standstill_gap
     allowed = following_speed(gap, max(x.along, 0.0), limits.comfort_deceleration, limits.time_headway)
     wanted = min(allowed, situation.plan.road_speed(snapshot.s))
-    return x.user.is_halted or abs(snapshot.ego.speed - wanted) < SETTLED_SPEED
+    return x.user.is_halted or abs(snapshot.ego.speed - wanted) < situation.limits.parameters.settled_speed
 
 
 def is_late(situation: Situation) -> bool:
     """Delay > k₂: the assessment finds the plan degraded, or X will not move at all."""
     x = situation.ahead_of_ego
-    return situation.assessment.is_late or (x is not None and x.user.is_halted)
+    is_degraded = situation.assessment.lateness > situation.limits.parameters.excessive_delay_s
+    return is_degraded or (x is not None and x.user.is_halted)
 
 
 def is_legal(situation: Situation) -> bool:
@@ -74,7 +67,7 @@ def is_legal(situation: Situation) -> bool:
 
 def has_looked(situation: Situation) -> bool:
     """M has looked far enough along the road, at all who are on it."""
-    return situation.outlook.sight >= OVERTAKING_SIGHT_M
+    return situation.outlook.sight >= situation.limits.parameters.overtaking_sight_m
 
 
 def gap_is_proven(situation: Situation) -> bool:
@@ -90,7 +83,7 @@ def is_back(situation: Situation) -> bool:
     snapshot, plan = situation.snapshot, situation.plan
     joins = max(plan.joins, plan.aside.until if plan.aside else 0.0)
     stands = overtaking.instruction is Instruction.FALL_BACK and snapshot.ego.speed < STANDING_SPEED
-    return stands or (snapshot.s >= joins and abs(snapshot.d) < OFF_CURVE_EPSILON_M)
+    return stands or (snapshot.s >= joins and abs(snapshot.d) < situation.limits.parameters.off_curve_epsilon_m)
 
 
 def instruct(situation: Situation) -> Instruction:
@@ -152,7 +145,7 @@ def carry_on(situation: Situation, overtaking: Overtaking) -> Passing:
         if x is None:
             return Passing(coming_back)
     lane = lane_in_use(situation, way.lateral)
-    found = prove(situation, x, way.lateral, lane, legal_end(situation, x, lane), UNDER_WAY)
+    found = prove(situation, x, way.lateral, lane, legal_end(situation, x, lane), under_way(situation.limits.parameters))
     if found.aside is not None:
         moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
         return Passing(overtaking, replans=moved, aside=found.aside)

@@ -6,7 +6,6 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
-from sumo_reactive.driver.parameters import MISSED_TURN_S, QUEUE_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
@@ -33,7 +32,7 @@ def is_missed(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemo
         return False
     is_at_end = stop.s - snapshot.front < AT_LANE_END_M
     are_passing = any(neighbour.user.speed > CREEPING_SPEED for neighbour in snapshot.neighbours)
-    patience = MISSED_TURN_S if is_at_end and are_passing else QUEUE_PATIENCE_S
+    patience = snapshot.parameters.missed_turn_s if is_at_end and are_passing else snapshot.parameters.queue_patience_s
     return snapshot.time - memory.waiting_since > patience
 
 

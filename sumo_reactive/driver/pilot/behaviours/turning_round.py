@@ -10,7 +10,6 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import TURNAROUND_PATIENCE_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import reach_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
@@ -36,7 +35,7 @@ def place_to_begin(
     if number is None:
         return None
     start = plan.turnarounds[number].start
-    if comes_over and memory.standing_for(snapshot.time) < TURNAROUND_PATIENCE_S:
+    if comes_over and memory.standing_for(snapshot.time) < snapshot.parameters.turnaround_patience_s:
         return stop_at(start, Reason.COMES_OVER, cause=comes_over)
     return stop_at(start, Reason.NARROW_TURN)
 
@@ -96,7 +95,7 @@ def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> T
 def is_in_reach(snapshot: Snapshot, plan: NominalPlan) -> bool:
     """Whether the ego comes to where a turn in several moves begins."""
     number = _next(snapshot, plan)
-    return number is not None and plan.turnarounds[number].start - snapshot.front < reach_of(snapshot.ego.speed)
+    return number is not None and plan.turnarounds[number].start - snapshot.front < reach_of(snapshot)
 
 
 def is_near(situation: Situation) -> bool:

@@ -7,15 +7,8 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import (
-    COMFORT_DECELERATION,
-    FOE_ACCELERATION,
-    FOLLOWER_DECELERATION,
-    GAP_AFTER_S,
-    GAP_BEFORE_S,
-    LEAVING_ACCELERATION,
-    MERGE_GAP_S,
-)
+from sumo_reactive.driver.parameters import Parameters
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind
 
@@ -61,14 +54,12 @@ class Threat(NamedTuple):
     merged: float
 
 
-def passing(
-    to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
-) -> Passing:
+def passing(to_region: float, to_clear: float, speed: float, top_speed: float, limits: VehicleLimits) -> Passing:
     """Foresee the ego's passage; ways in m from the front bumper (`to_clear`: until the rear is out)."""
     if speed > top_speed and to_region > 0.0:
-        return _slowing(to_region, to_clear, length, speed, acceleration, top_speed)
-    slow = min(speed, top_speed)
-    merged = travel_time(to_region + length, slow, acceleration, top_speed)
+        return _slowing(to_region, to_clear, speed, top_speed, limits)
+    slow, acceleration = min(speed, top_speed), limits.acceleration_in_plan
+    merged = travel_time(to_region + limits.length, slow, acceleration, top_speed)
     return Passing(
         arrival=travel_time(to_region, speed, acceleration, top_speed),
         clearance=travel_time(to_clear, slow, acceleration, top_speed),
@@ -84,11 +75,12 @@ def turning(to_start: float, speed: float, acceleration: float, duration: float)
     return Passing(arrival, arrival + duration, arrival + duration, 0.0)
 
 
-def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float) -> Passing:
-    """Foresee a passage by an ego that means to stop `to_stop` m ahead, behind the region if it `to_clear`s that."""
+def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float, gentle: float) -> Passing:
+    """Foresee a passage by an ego that means to stop `to_stop` m ahead, behind the region if it `to_clear`s that; it brakes
+    no softer than by the `gentle` rate, m/s²."""
     if to_stop <= max(to_clear, 0.0):
         return own
-    braking = max(FOLLOWER_DECELERATION, speed * speed / (2.0 * to_stop))
+    braking = max(gentle, speed * speed / (2.0 * to_stop))
     lost = speed * speed - 2.0 * braking * (to_stop - to_clear)
     if lost <= 0.0:
         return own  # it need not brake before it has left the region
@@ -96,21 +88,20 @@ def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float)
     return own._replace(clearance=max(own.clearance, before + (speed - math.sqrt(speed * speed - lost)) / braking))
 
 
-def _slowing(
-    to_region: float, to_clear: float, length: float, speed: float, acceleration: float, top_speed: float
-) -> Passing:
+def _slowing(to_region: float, to_clear: float, speed: float, top_speed: float, limits: VehicleLimits) -> Passing:
     """Foresee a passage that is slower than the ego is now: at its speed first, then braking, then at `top_speed`."""
-    braking = (speed * speed - top_speed * top_speed) / (2.0 * COMFORT_DECELERATION)
+    rate = limits.parameters.comfort_deceleration
+    braking = (speed * speed - top_speed * top_speed) / (2.0 * rate)
     if braking < to_region:
-        lead = (to_region - braking) / speed + (speed - top_speed) / COMFORT_DECELERATION
+        lead = (to_region - braking) / speed + (speed - top_speed) / rate
     else:
         lead = 2.0 * to_region / (speed + top_speed)
     inside = (to_clear - to_region) / top_speed
-    earliest = travel_time(to_region, speed, acceleration, top_speed)
-    return Passing(earliest, lead + inside, lead + length / top_speed, top_speed)
+    earliest = travel_time(to_region, speed, limits.acceleration_in_plan, top_speed)
+    return Passing(earliest, lead + inside, lead + limits.length / top_speed, top_speed)
 
 
-def threat(foe: Foe, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:
+def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:
     """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind, unless
     it is seen to be `gaining` speed (m/s²) as it leaves."""
     user = foe.user
@@ -120,49 +111,52 @@ def threat(foe: Foe, *, expects_ego: bool = False, gaining: float = 0.0) -> Thre
     top = user.speed if expects_ego else max(user.speed, min(foe.conflict.other.speed_limit, user.body.max_speed))
     to_merged = max(0.0, foe.to_region + user.body.length)
     slow, fast = max(user.speed, STANDING_SPEED), min(foe.conflict.other.speed_limit, user.body.max_speed)
-    gaining = min(gaining, LEAVING_ACCELERATION)
+    gaining = min(gaining, parameters.leaving_acceleration)
     if gaining > 0.0 and slow < fast:
         clearance, merged = (travel_time(way, slow, gaining, fast) for way in (foe.to_clear, to_merged))
     else:
         clearance, merged = foe.to_clear / slow, to_merged / slow
     return Threat(
-        arrival=travel_time(foe.to_region, user.speed, FOE_ACCELERATION, max(top, STANDING_SPEED)),
+        arrival=travel_time(foe.to_region, user.speed, parameters.foe_acceleration, max(top, STANDING_SPEED)),
         clearance=clearance,
         merged=merged,
     )
 
 
-def is_enough(own: Passing, foe: Foe, other: Threat, patience: float, *, may_follow: bool) -> bool:
+def is_enough(
+    own: Passing, foe: Foe, other: Threat, parameters: Parameters, patience: float = 1.0, *, may_follow: bool
+) -> bool:
     """Whether the ego may pass before the foe, or after it if it `may_follow`; `patience` (0..1] scales the margins."""
     if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
-        before, after = _merges_before(own, foe, other, patience), _merges_after(own, foe, other, patience)
+        before = _merges_before(own, foe, other, parameters, patience)
+        after = _merges_after(own, foe, other, parameters, patience)
     else:
-        before = own.clearance + GAP_BEFORE_S * patience < other.arrival
-        after = other.clearance + GAP_AFTER_S * patience < own.arrival
+        before = own.clearance + parameters.gap_before_s * patience < other.arrival
+        after = other.clearance + parameters.gap_after_s * patience < own.arrival
     return before or (may_follow and after)
 
 
-def _merges_before(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
-    """The foe behind must not brake harder than `FOLLOWER_DECELERATION` and keeps a gap."""
+def _merges_before(own: Passing, foe: Foe, other: Threat, parameters: Parameters, patience: float) -> bool:
+    """The foe behind must not brake harder than a follower may be asked to and keeps a gap."""
     closing = max(0.0, foe.user.speed - own.speed)
-    to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(foe.user.speed, 1.0)
-    return own.merged + (MERGE_GAP_S + to_adapt) * patience < other.arrival
+    to_adapt = closing * closing / (2.0 * parameters.follower_deceleration) / max(foe.user.speed, 1.0)
+    return own.merged + (parameters.merge_gap_s + to_adapt) * patience < other.arrival
 
 
-def _merges_after(own: Passing, foe: Foe, other: Threat, patience: float) -> bool:
+def _merges_after(own: Passing, foe: Foe, other: Threat, parameters: Parameters, patience: float) -> bool:
     """The foe ahead has left the start of the common stretch, and the ego need not brake hard behind it."""
-    return _merged_behind(own, foe, other, patience) < own.arrival
+    return _merged_behind(own, foe, other, parameters, patience) < own.arrival
 
 
-def _merged_behind(own: Passing, foe: Foe, other: Threat, patience: float) -> float:
+def _merged_behind(own: Passing, foe: Foe, other: Threat, parameters: Parameters, patience: float) -> float:
     """When the ego may come behind a foe onto the common stretch, s from now."""
     closing = max(0.0, own.speed - foe.user.speed)
-    to_adapt = closing * closing / (2.0 * FOLLOWER_DECELERATION) / max(own.speed, 1.0)
-    return other.merged + (GAP_AFTER_S + to_adapt) * patience
+    to_adapt = closing * closing / (2.0 * parameters.follower_deceleration) / max(own.speed, 1.0)
+    return other.merged + (parameters.gap_after_s + to_adapt) * patience
 
 
-def follows_at(own: Passing, foe: Foe, other: Threat) -> float:
+def follows_at(own: Passing, foe: Foe, other: Threat, parameters: Parameters) -> float:
     """Return when the ego may be in the region after a foe that goes on as foreseen, s from now."""
     if foe.conflict.region.kind is ConflictKind.MERGING and not foe.user.body.is_person:
-        return _merged_behind(own, foe, other, 1.0)
-    return other.clearance + GAP_AFTER_S
+        return _merged_behind(own, foe, other, parameters, 1.0)
+    return other.clearance + parameters.gap_after_s

@@ -5,7 +5,6 @@ from __future__ import annotations
 from enum import Enum
 
 from sumo_reactive.driver.nouns.snapshot import Snapshot
-from sumo_reactive.driver.parameters import YELLOW_DECELERATION
 from sumo_reactive.driver.world.junction import Connection
 
 ON_LINE_M = 0.05
@@ -37,17 +36,17 @@ def has_passed(line: float, front: float) -> bool:
     return front > line + ON_LINE_M
 
 
-def signal(letter: str, to_line: float, speed: float, hardest: float) -> Signal:
+def signal(letter: str, to_line: float, speed: float, hardest: float, bearable: float) -> Signal:
     """Read `letter` with the front bumper `to_line` m before the line at `speed` m/s.
 
-    G, g go (the right of way decides the rest); r and u (red with yellow) stop; y stops where `YELLOW_DECELERATION`
+    G, g go (the right of way decides the rest); r and u (red with yellow) stop; y stops where a `bearable` braking (m/s²)
     suffices; s stops fully, then yields (right on red); o and O leave it to the right of way. A red that turns on with no
     yellow before it, so late that `hardest` braking (m/s²) cannot stop, is passed like a yellow that came too late.
     """
     if letter in "rRu":
         return Signal.STOP if speed * speed <= 2.0 * hardest * max(to_line, 0.0) or speed < 1.0 else Signal.GO_ON_YELLOW
     if letter in "yY":
-        comfortable = speed * speed <= 2.0 * YELLOW_DECELERATION * max(to_line, 0.0)
+        comfortable = speed * speed <= 2.0 * bearable * max(to_line, 0.0)
         return Signal.STOP_ON_YELLOW if comfortable else Signal.GO_ON_YELLOW
     return Signal.STOP_THEN_GO if letter == "s" else Signal.GO
 
@@ -57,9 +56,10 @@ def outranks(letter: str, other: str) -> bool:
     return bool(letter and other) and ((letter in "Gg" and other == "s") or (letter == "G" and other in "go"))
 
 
-def holds_back(letter: str, to_line: float, speed: float) -> bool:
-    """Whether a light keeps another car, `to_line` m before its line at `speed` m/s, out of the junction."""
+def holds_back(letter: str, to_line: float, speed: float, bearable: float) -> bool:
+    """Whether a light keeps another car, `to_line` m before its line at `speed` m/s, out of the junction: where a `bearable`
+    braking (m/s²) suffices."""
     if to_line < 0.0:
         return False
-    stops = speed * speed <= 2.0 * YELLOW_DECELERATION * max(to_line, 0.5)
+    stops = speed * speed <= 2.0 * bearable * max(to_line, 0.5)
     return letter != "" and letter in "rRuyY" and stops

@@ -6,20 +6,12 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from sumo_reactive.driver.ablation import Mechanism, has
+from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import (
-    COMFORT_DECELERATION,
-    FOE_PATIENCE_S,
-    MAX_ACCELERATION_IN_PLAN,
-    MISSED_TURN_S,
-    PLANNED_DECELERATION,
-    QUEUE_PATIENCE_S,
-)
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M
@@ -53,22 +45,22 @@ def taken_by(
     Nobody is in danger: the ego does not brake harder than planned for it. Where the map says that a junction need not be
     kept clear, it does not wait for ever, nor where nobody comes whom it would block.
     """
-    if not has(Mechanism.ROOM_BEHIND):
+    if not snapshot.parameters.has(Mechanism.ROOM_BEHIND):
         return ""
     clear = is_clear_at(way, conflicts, limits)
-    if _may_wait(way, snapshot, limits.service_deceleration) and _waited(way, snapshot, memory) < QUEUE_PATIENCE_S:
+    p, waited = limits.parameters, _waited(way, snapshot, memory)
+    if _may_wait(way, snapshot, limits.service_deceleration) and waited < p.queue_patience_s:
         nose = _nose_in_the_way(way, conflicts, snapshot)  # the ego has to brake for that body anyway
         if nose:
             return nose
-    if clear is None or not _may_wait(way, snapshot):
+    if clear is None or not _may_wait(way, snapshot, p.planned_deceleration):
         return ""
-    if not way.connection.keep_clear and _waited(way, snapshot, memory) > _patience(way, snapshot):
+    if not way.connection.keep_clear and waited > _patience(way, snapshot):
         return ""
     behind = clear + limits.standstill_gap
-    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
-    time = travel_time(behind - snapshot.front, snapshot.ego.speed, acceleration, way.pace)
+    time = travel_time(behind - snapshot.front, snapshot.ego.speed, limits.acceleration_in_plan, way.pace)
     along = [o for o in snapshot.on_path if o.start > snapshot.front and abs(o.across) <= max(o.along, 1.0)]
-    return _too_near(along, time, (way.passage.start, behind))
+    return _too_near(along, time, (way.passage.start, behind), snapshot.parameters.comfort_deceleration)
 
 
 def _nose_in_the_way(way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot) -> str:
@@ -81,18 +73,18 @@ def _nose_in_the_way(way: Crossing, conflicts: tuple[Conflict, ...], snapshot: S
     return next((o.user.id for o in met if o.user.id in waiting), "")
 
 
-def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, float]) -> str:
+def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, float], braking: float) -> str:
     """Return whose rear will not have left a junction and the room behind it, `post` (from, to, m of C), after `time` s
     (empty: everybody's).
 
-    Who moves gets no farther than those ahead let him, and who crawls may stop at once. Who is still before the line may
-    yet turn off, and counts only where he would fill up a queue.
+    Who moves gets no farther than those ahead let him, and who crawls may stop at once, by `braking` (m/s²). Who is still
+    before the line may yet turn off, and counts only where he would fill up a queue.
     """
     ahead: list[tuple[float, float]] = []
     for obstacle in sorted(obstacles, key=lambda one: -one.start):
         way = max(obstacle.along, 0.0) * time
         if obstacle.along < QUEUED_SPEED:
-            way = min(way, max(obstacle.along, 0.0) * (1.0 + 0.5 * obstacle.along / COMFORT_DECELERATION))
+            way = min(way, max(obstacle.along, 0.0) * (1.0 + 0.5 * obstacle.along / braking))
         is_inside = obstacle.start > post[0]
         own = obstacle.start + way if is_inside else math.inf
         ends = [rear for start, rear in ahead if start >= obstacle.end]
@@ -104,8 +96,8 @@ def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, flo
     return ""
 
 
-def _may_wait(way: Crossing, snapshot: Snapshot, braking: float = PLANNED_DECELERATION) -> bool:
-    """Whether planned `braking` (m/s²) still stops the ego before the junction."""
+def _may_wait(way: Crossing, snapshot: Snapshot, braking: float) -> bool:
+    """Whether `braking` (m/s²) still stops the ego before the junction."""
     room = way.line - HARD_STOP_MARGIN_M - snapshot.front
     return snapshot.front <= way.passage.start and snapshot.ego.speed**2 <= 2.0 * braking * max(room, 0.0)
 
@@ -119,7 +111,7 @@ def _waited(way: Crossing, snapshot: Snapshot, memory: PilotMemory) -> float:
 def _patience(way: Crossing, snapshot: Snapshot) -> float:
     """Return how long (s) to wait for room where nobody asks for it: short when nobody comes who would be blocked."""
     blocked = any(foe.passage == way.number and foe.user.speed >= STANDING_SPEED for foe in snapshot.foes)
-    return MISSED_TURN_S if blocked else FOE_PATIENCE_S
+    return snapshot.parameters.missed_turn_s if blocked else snapshot.parameters.foe_patience_s
 
 
 def wait_before(
@@ -135,8 +127,11 @@ def wait_before(
     None: it would stand clear, can no longer stop before the line, or has waited there in vain. A stop of the route is made
     where the route says.
     """
-    clear = is_clear_at(way, conflicts, limits) if has(Mechanism.ROOM_BEHIND) else None
-    if clear is None or not _may_wait(way, snapshot) or _waited(way, snapshot, memory) > QUEUE_PATIENCE_S:
+    p = limits.parameters
+    clear = is_clear_at(way, conflicts, limits) if p.has(Mechanism.ROOM_BEHIND) else None
+    if clear is None or not _may_wait(way, snapshot, p.planned_deceleration):
+        return None
+    if _waited(way, snapshot, memory) > p.queue_patience_s:
         return None
     inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason is not Reason.SCHEDULED_STOP)
     first = min(inside, key=lambda stop: stop.s, default=None)

@@ -12,15 +12,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
-from sumo_reactive.driver.parameters import (
-    COMMITTED_PATIENCE,
-    FOE_CAN_STOP_DECELERATION,
-    FOE_PATIENCE_S,
-    LEAST_PATIENCE_S,
-    MAX_ACCELERATION_IN_PLAN,
-    ROLLING_S,
-    SIGN_STOP_DECELERATION,
-)
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
@@ -107,18 +99,19 @@ def judgements(
 
 def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view: View) -> float:
     """Return in how many seconds the ego can pass `place` (m of C) and meet nobody who is `judged` at a passage, if they go
-    on as foreseen: after the first ones, and before those for whom the gap is enough; infinite: not within ROLLING_S."""
-    snapshot, limits = view.snapshot, view.limits
-    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
-    soonest = travel_time(place - snapshot.front, snapshot.ego.speed, acceleration, crossing.pace)
+    on as foreseen: after the first ones, and before those for whom the gap is enough; infinite: too late to roll there."""
+    snapshot, parameters = view.snapshot, view.limits.parameters
+    soonest = travel_time(place - snapshot.front, snapshot.ego.speed, view.limits.acceleration_in_plan, crossing.pace)
     time, left = soonest, list(judged)
-    while time < ROLLING_S:
-        met = [one for one in left if would_meet(one.own.later(time - soonest), one.foe, one.other, 1.0, may_follow=True)]
+    while time < parameters.rolling_s:
+        later = time - soonest
+        met = [one for one in left if would_meet(one.own.later(later), one.foe, one.other, parameters, may_follow=True)]
         if not met:
             return time
         if any(one.foe.user.speed < STANDING_SPEED for one in met):
             return math.inf  # nobody knows when he goes
-        time = max(time, *(follows_at(one.own, one.foe, one.other) - (one.own.arrival - soonest) for one in met)) + _SOON_S
+        follows = (follows_at(one.own, one.foe, one.other, parameters) - (one.own.arrival - soonest) for one in met)
+        time = max(time, *follows) + _SOON_S
         left = [one for one in left if one not in met]
     return math.inf
 
@@ -126,8 +119,8 @@ def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view
 def arrivals_of(judged: Iterable[Judgement], crossing: Crossing, snapshot: Snapshot) -> Iterator[TimeConstraint]:
     """Yield when the ego may be in the regions that it passes after somebody: no earlier than he has cleared them."""
     for one in judged:
-        follows = follows_at(one.own, one.foe, one.other)
-        if one.passes and follows < one.own.arrival < ROLLING_S:
+        follows = follows_at(one.own, one.foe, one.other, snapshot.parameters)
+        if one.passes and follows < one.own.arrival < snapshot.parameters.rolling_s:
             place = crossing.at(one.foe.conflict.region.own.start)
             yield TimeConstraint(
                 place, snapshot.time + follows, reason=one.reason, region=one.region, cause=one.foe.user.id
@@ -179,19 +172,19 @@ def judge(
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    if _gives_way(foe, committed):
+    if _gives_way(foe, committed, snapshot.parameters):
         return None
-    acceleration = min(MAX_ACCELERATION_IN_PLAN, limits.max_acceleration)
-    own = passing(to_region, to_clear, limits.length, snapshot.ego.speed, acceleration, crossing.pace)
-    own = stopping_behind(own, to_clear, snapshot.ego.speed, crossing.stop - front)
+    p, speed = snapshot.parameters, snapshot.ego.speed
+    own = passing(to_region, to_clear, speed, crossing.pace, limits)
+    own = stopping_behind(own, to_clear, speed, crossing.stop - front, p.follower_deceleration)
     if crossing.turn is not None:
-        own = turning(crossing.turn.start - front, snapshot.ego.speed, acceleration, crossing.turn.duration)
-    other = threat(foe, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
+        own = turning(crossing.turn.start - front, speed, limits.acceleration_in_plan, crossing.turn.duration)
+    other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
     may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
     if not may_follow and _leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
         may_follow = True
-        own = own._replace(arrival=travel_time(to_region, snapshot.ego.speed, limits.max_acceleration, crossing.pace))
-    meets = would_meet(own, foe, other, COMMITTED_PATIENCE if committed else 1.0, may_follow=may_follow)
+        own = own._replace(arrival=travel_time(to_region, speed, limits.max_acceleration, crossing.pace))
+    meets = would_meet(own, foe, other, p, p.committed_patience if committed else 1.0, may_follow=may_follow)
     return Judgement(_reason(foe), foe, not meets, own, other)
 
 
@@ -272,21 +265,21 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
 
     A body that stands in the ego's corridor is a leader, whatever the region says.
     """
-    user, standing = foe.user, memory.standing_for(snapshot.time)
+    user, standing, p = foe.user, memory.standing_for(snapshot.time), snapshot.parameters
     if snapshot.ego.speed < HESITATING_SPEED:  # an ego that starts in vain has been waiting all the same
         standing = max(standing, snapshot.time - memory.progress_time - HESITATION_S)
     if user.body.is_person:
         return foe.to_stop_line < 0.0 or _may_step_on(foe, snapshot, standing)
-    if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed):
+    if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed, p.yellow_deceleration):
         return False
     if user.speed >= STANDING_SPEED:
         return True
     if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
-        in_vain = standing > FOE_PATIENCE_S and user.waiting_time > 2.0 * FOE_PATIENCE_S
+        in_vain = standing > p.foe_patience_s and user.waiting_time > 2.0 * p.foe_patience_s
         own = snapshot.time - memory.stopped_since if memory.stopped_at == crossing.connection.id else 0.0
         return user.waiting_time > own and not in_vain
-    patience = min(max(2.0 * FOE_PATIENCE_S - user.waiting_time, LEAST_PATIENCE_S), FOE_PATIENCE_S)
-    return user.waiting_time <= FOE_PATIENCE_S or standing <= patience
+    patience = min(max(2.0 * p.foe_patience_s - user.waiting_time, p.least_patience_s), p.foe_patience_s)
+    return user.waiting_time <= p.foe_patience_s or standing <= patience
 
 
 def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
@@ -294,13 +287,13 @@ def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
 
     One who does not move, though the ego has been `standing` for a while (s), lets it go.
     """
-    if foe.user.speed < STANDING_SPEED and standing > FOE_PATIENCE_S:
+    if foe.user.speed < STANDING_SPEED and standing > snapshot.parameters.foe_patience_s:
         return False
     letter = letter_of(foe.conflict.other, snapshot)
     return letter in "gG" if letter else foe.conflict.must_yield
 
 
-def _gives_way(foe: Foe, committed: bool) -> bool:
+def _gives_way(foe: Foe, committed: bool, parameters: Parameters) -> bool:
     """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
     conflict, user = foe.conflict, foe.user
     if user.body.is_person:
@@ -317,7 +310,8 @@ def _gives_way(foe: Foe, committed: bool) -> bool:
     room = _room_to_wait(foe)
     if room is None:
         return False
-    trusted = SIGN_STOP_DECELERATION if all_way and foe.to_stop_line >= 0.0 else FOE_CAN_STOP_DECELERATION
+    stops = all_way and foe.to_stop_line >= 0.0
+    trusted = parameters.sign_stop_deceleration if stops else parameters.foe_can_stop_deceleration
     return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)
 
 

@@ -25,7 +25,7 @@ def is_next(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMe
     """Whether a stop of the route is in reach, and the ego comes to no line before it where somebody may cross its path or a
     light speaks."""
     planned = pending(plan, memory)
-    if planned is None or planned.s - snapshot.front > reach_of(snapshot.ego.speed):
+    if planned is None or planned.s - snapshot.front > reach_of(snapshot):
         return False
     lines = (plan.passages[i].start for i, connection, conflicts in ahead if conflicts or connection.light)
     return not any(snapshot.front < line < planned.s for line in lines)

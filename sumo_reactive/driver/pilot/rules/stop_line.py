@@ -8,7 +8,6 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import PLANNED_DECELERATION, RED_MARGIN_S, YELLOW_S
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import Signal, has_passed, letter_of, signal
@@ -32,9 +31,13 @@ def stop_at_line(
         return None, None, memory
     letter, light = letter_of(connection, snapshot), connection.light.light_id if connection.light else ""
     to_stop = to_line - HARD_STOP_MARGIN_M if letter in "yY" else to_line
-    asked = signal(letter, to_stop, snapshot.ego.speed, limits.emergency_deceleration) if letter else Signal.GO
+    p, speed = snapshot.parameters, snapshot.ego.speed
+    asked = Signal.GO
+    if letter:
+        asked = signal(letter, to_stop, speed, limits.emergency_deceleration, p.yellow_deceleration)
     memory, since = _yellow_since(connection.id, letter, snapshot.time, memory)
-    if asked is Signal.GO_ON_YELLOW and since is not None and _comes_too_late(way, snapshot, limits, since + YELLOW_S):
+    red = math.inf if since is None else since + p.yellow_s
+    if asked is Signal.GO_ON_YELLOW and _comes_too_late(way, snapshot, limits, red):
         asked = Signal.STOP_ON_YELLOW
     if asked in _REASONS:
         return stop_at(place, _REASONS[asked], cause=light), None, memory
@@ -69,7 +72,7 @@ def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, re
     braking_way = min(speed * speed / (2.0 * limits.comfort_deceleration), to_stop)
     before, rate = to_stop - braking_way, speed * speed / (2.0 * braking_way)
     lost = math.sqrt(max(speed * speed - 2.0 * rate * max(to_line - before, 0.0), 0.0))
-    return snapshot.time + min(to_line, before) / speed + (speed - lost) / rate > red - RED_MARGIN_S
+    return snapshot.time + min(to_line, before) / speed + (speed - lost) / rate > red - snapshot.parameters.red_margin_s
 
 
 def _place(way: Crossing, snapshot: Snapshot) -> float:
@@ -78,5 +81,5 @@ def _place(way: Crossing, snapshot: Snapshot) -> float:
     line = way.passage.start
     if way.line <= snapshot.front:
         return line
-    stops = snapshot.front + HARD_STOP_MARGIN_M + snapshot.ego.speed**2 / (2.0 * PLANNED_DECELERATION)
+    stops = snapshot.front + HARD_STOP_MARGIN_M + snapshot.ego.speed**2 / (2.0 * snapshot.parameters.planned_deceleration)
     return min(max(way.line, stops), line)
