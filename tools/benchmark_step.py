@@ -90,12 +90,12 @@ def time_step(repeats: int) -> None:
 
 def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # type: ignore[no-untyped-def]
     """Return the whole step, with the pilot and without, and its stages, each ready to be called."""
-    from sumo_reactive.driver.controller import passages_ahead
     from sumo_reactive.driver.field.executor import execute
     from sumo_reactive.driver.nouns.event import Event, EventKind
     from sumo_reactive.driver.pilot.events import detect
     from sumo_reactive.driver.pilot.passages import view_of
     from sumo_reactive.driver.pilot.pilot import Style, decide
+    from sumo_reactive.driver.view.ahead import passages_ahead
     from sumo_reactive.driver.view.outlook import outlook
     from sumo_reactive.driver.view.perceive import perceive
 

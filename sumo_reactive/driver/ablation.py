@@ -34,7 +34,7 @@ class Mechanism(IntEnum):
     ROOM_BEHIND = 10
     """Nobody asks for the post-conflict region."""
     GRAPH = 11
-    """No passage ahead is looked up in W: no line, no light, no region."""
+    """W is not walked: no line, no light, no region, no foe ahead."""
     EVENTS = 12
     """The pilot decides at every step."""
     FEEDBACK = 13

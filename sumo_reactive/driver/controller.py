@@ -8,7 +8,6 @@ from enum import Enum
 from typing import NamedTuple
 
 from sumo_reactive.driver.ablation import Mechanism, has
-from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap, valley_map
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
@@ -16,17 +15,18 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S, PLANS_KEPT
+from sumo_reactive.driver.parameters import CONTROL_PERIOD_S, MAP_MARGIN_M, MAP_SIDE_M, PAPER_CONTROL_PERIOD_S
 from sumo_reactive.driver.path.time_constraints import retimed
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Ahead, view_of
+from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import Style, confirm, decide, may_confirm, notice
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.attention import conflicts_of, foes_of
+from sumo_reactive.driver.view.ahead import passages_ahead
+from sumo_reactive.driver.view.attention import foes_of
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import static_within
@@ -129,7 +129,7 @@ class Controller:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
         none yet. Last is how often the highway code was asked."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
-        ahead = passages_ahead(self.graph, plan, snapshot.passages) if has(Mechanism.GRAPH) else ()
+        ahead = passages_ahead(self.graph, plan, snapshot.passages)
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard and has(Mechanism.FEEDBACK)
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
         runs_always = decides and not has(Mechanism.EVENTS)
@@ -164,13 +164,6 @@ class Controller:
         plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
         static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
         return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static)
-
-
-@kept(PLANS_KEPT)
-def passages_ahead(graph: RoadGraph, plan: NominalPlan, passages: tuple[int, ...]) -> Ahead:
-    """Return what the map knows of some passages of a plan, by their indices."""
-    ids = ((i, plan.passages[i].connection_id) for i in passages)
-    return tuple((i, graph.connections[name], conflicts_of(graph, name)) for i, name in ids)
 
 
 def moved(traffic: Traffic, duration: float) -> Traffic:

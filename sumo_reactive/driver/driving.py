@@ -150,7 +150,7 @@ class Driving:
     def _onward(self, lane: Lane, index: int) -> Lane | None:
         """Return a lane that leads on from one of the route's edge `index`; None: there is none."""
         following = self.route.edges[index + 1 : index + 2]
-        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.outgoing.get(lane.id, ()))
+        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.ways_from(lane.id))
         return next((one for one in ahead if one is not None and one.edge_id in following), None)
 
     def _looked_round(self) -> tuple[Driving, WayRound | None]:
@@ -173,7 +173,7 @@ class Driving:
         if lane.is_internal or index + 1 >= len(route.edges) or lane.edge_id in goals[:-1]:
             return None
         missed, vehicle_class = route.edges[index + 1], self.choice.vehicle_class
-        onward = [graph.lanes[way.to_lane] for way in graph.outgoing.get(lane.id, ())]
+        onward = [graph.lanes[way.to_lane] for way in graph.ways_from(lane.id)]
         firsts = [one.edge_id for one in onward if one.allows(vehicle_class) and one.edge_id != missed]
         way = ways.quickest_way(firsts, goals)
         if not way:

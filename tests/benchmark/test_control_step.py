@@ -6,7 +6,7 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, Situation, before
 
-from sumo_reactive.driver.controller import Controller, Drive, passages_ahead
+from sumo_reactive.driver.controller import Controller, Drive
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
@@ -14,6 +14,7 @@ from sumo_reactive.driver.parameters import NEAR_M
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import Style, decide
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import perceive
 

@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from helpers.cars import BODY, CAR
-from sumo_reactive.driver.controller import Controller, Drive, Profile, Step, passages_ahead
+from sumo_reactive.driver.controller import Controller, Drive, Profile, Step
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.event import Event
@@ -25,6 +25,7 @@ from sumo_reactive.driver.pilot.behaviours.overtaking import try_out
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
 from sumo_reactive.driver.pilot.passages import crossings
 from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import perceive
 from sumo_reactive.driver.world.junction import Connection

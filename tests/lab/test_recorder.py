@@ -65,8 +65,8 @@ def world(*region_ids):
     """Return a world of square conflict regions and nothing else."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.23456]])
     meeting = ConflictKind.CROSSING, "a", "b", Interval(0.0, 1.0), Interval(0.0, 1.0), square
-    regions = tuple(ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids)
-    return RoadGraph({}, {}, {}, {}, {}, {}, {}, {"a": regions}, {}, False)
+    regions = {name: ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids}
+    return RoadGraph({}, {}, {}, {}, regions, (), {}, False)
 
 
 def test_the_rows_tell_how_many_steps_needed_no_pilot():

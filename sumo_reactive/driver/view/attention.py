@@ -15,10 +15,8 @@ from sumo_reactive.driver.parameters import (
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
     PLANS_KEPT,
-    SIDE_BY_SIDE_ANGLE,
 )
-from sumo_reactive.driver.world.junction import Connection
-from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
+from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
@@ -37,40 +35,11 @@ class Threat(NamedTuple):
 
 
 @kept(4096)
-def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
-    """Return the crossing and merging conflicts on a connection, nearest region first.
-
-    Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
-    drive side by side, and whoever reaches into the ego's corridor is a leader.
-    """
-    own = graph.connections[connection_id]
-    rules = graph.junctions[own.junction_id].right_of_way
-    found = []
-    for region in graph.regions.get(connection_id, ()):
-        other = graph.connections[region.other_id]
-        if region.kind is ConflictKind.DIVERGING:
-            continue
-        yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
-        if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
-            found.append(Conflict(region, other, yields, yielded))
-    return tuple(found)
-
-
-def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:
-    """Whether two paths come from one road and run in about one direction where they meet."""
-    before, beside = graph.lanes.get(own.from_lane), graph.lanes.get(other.from_lane)
-    if before is None or beside is None or before.edge_id != beside.edge_id:
-        return False
-    along = own.path.heading_at(0.5 * (region.own.start + region.own.end))
-    across = other.path.heading_at(0.5 * (region.other.start + region.other.end))
-    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
-
-
-@kept(4096)
 def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Threat, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
     table: dict[str, list[Threat]] = {}
-    for conflict in conflicts_of(graph, connection_id):
+    own = graph.connections[connection_id]
+    for conflict in conflicts_of(graph, own, graph.regions_on(own)):
         region = conflict.region.other.start, conflict.region.other.end
         for lane_id, behind in graph.lanes_behind(conflict.other):
             table.setdefault(lane_id, []).append(Threat(conflict, -behind, (), *region))
@@ -98,7 +67,7 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     queue = [(lane_id, 0.0)]
     while queue:
         here, start = queue.pop()
-        for connection in graph.incoming.get(here, ()):
+        for connection in graph.ways_into(here):
             at = start
             for part in reversed(connection.parts):
                 at -= graph.lanes[part].spine.length
@@ -111,7 +80,7 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     queue = [(lane_id, lane.spine.length)]
     while queue:
         here, end = queue.pop()
-        for connection in graph.outgoing.get(here, ()):
+        for connection in graph.ways_from(here):
             *parts, (behind, at) = graph.lanes_behind(connection)
             for part, start in parts:
                 axis.setdefault(part, end + start)
@@ -223,8 +192,8 @@ def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[
 def _meanings(graph: RoadGraph, plan: NominalPlan, sight: tuple[int, ...]) -> Mapping[str, tuple[_Meaning, ...]]:
     """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
     table: dict[str, list[_Meaning]] = {}
-    for i in sight:
-        for lane_id, watches in watches_of(graph, plan.passages[i].connection_id).items():
+    for i, connection, _ in passages_ahead(graph, plan, sight):
+        for lane_id, watches in watches_of(graph, connection.id).items():
             table.setdefault(lane_id, []).extend((i, *watch) for watch in watches)
     return {lane_id: tuple(meanings) for lane_id, meanings in table.items()}
 

@@ -6,7 +6,7 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, before
 
-from sumo_reactive.driver.controller import Controller, Profile, Step, passages_ahead
+from sumo_reactive.driver.controller import Controller, Profile, Step
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.parameters import (
@@ -18,6 +18,7 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.pilot import notice
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.route import ScheduledStop
 
 SOUTH_NORTH, WEST_EAST = ("from_south", "to_north"), ("from_west", "to_east")

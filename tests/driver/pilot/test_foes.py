@@ -9,7 +9,6 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.traffic import Body
@@ -22,6 +21,7 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind, Interval
 

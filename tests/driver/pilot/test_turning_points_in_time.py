@@ -9,7 +9,6 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
@@ -48,6 +47,7 @@ from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import confirm, may_confirm, notice
 from sumo_reactive.driver.pilot.situation import LaneChanging
+from sumo_reactive.driver.view.ahead import passages_ahead
 
 SOUTH_NORTH, WEST_EAST, STREET = ("from_south", "to_north"), ("from_west", "to_east"), ("eastbound", "eastbound_out")
 ROAD = ("road_before_exit", "road_after_exit")
