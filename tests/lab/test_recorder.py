@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import record
 
-from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
@@ -178,7 +178,7 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
         instruction="stop at the place named",
         emergency=True,
         events=(Event(EventKind.NEW_OBSTACLE, "veh_12"), Event(EventKind.STANDSTILL)),
-        assessment=Assessment(Outcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
+        assessment=Assessment(PlanOutcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
         decisions=(Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "r", "veh_12", False, (("arrival_s", math.inf),)),),
         regions=(RegionState("r", Occupancy.OCCUPIED, "veh_12"),),
     )

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @kernel
-def moved(box: Array, t: float, turn_rate: float) -> tuple[float, float, float]:
+def foreseen_pose(box: Array, t: float, turn_rate: float) -> tuple[float, float, float]:
     """Return centre (m) and heading (rad) of a box (7) that has kept its speed and a turn rate (rad/s) for `t` s."""
     back = 0.5 * box[4]
     x, y = box[0] - back * math.cos(box[2]), box[1] - back * math.sin(box[2])
@@ -70,7 +70,7 @@ def braking_collides(
                 continue
             touched = True
             for turn_rate in (boxes[k, 6], 0.0):
-                bx, by, bh = moved(boxes[k], t, turn_rate)
+                bx, by, bh = foreseen_pose(boxes[k], t, turn_rate)
                 touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5])
             if touched:
                 return True

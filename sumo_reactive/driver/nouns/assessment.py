@@ -8,7 +8,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.parameters import EXCESSIVE_DELAY_S
 
 
-class Outcome(Enum):
+class PlanOutcome(Enum):
     """How a manoeuvre ends if everybody goes on as now."""
 
     FINE = "fine"
@@ -30,7 +30,7 @@ class Assessment(NamedTuple):
     """The outcome, with the `lateness` (s) for the constraint at arc length `constraint` (m of C), and the encounter of a
     failure."""
 
-    outcome: Outcome
+    outcome: PlanOutcome
     lateness: float
     constraint: float
     encounter: Encounter | None = None
@@ -41,4 +41,4 @@ class Assessment(NamedTuple):
         return self.lateness > EXCESSIVE_DELAY_S
 
 
-NOT_ASSESSED = Assessment(Outcome.FINE, 0.0, 0.0)
+NOT_ASSESSED = Assessment(PlanOutcome.FINE, 0.0, 0.0)

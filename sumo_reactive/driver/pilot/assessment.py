@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
-from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.forecast import Forecast
 from sumo_reactive.driver.nouns.plan import NominalPlan
@@ -165,8 +165,8 @@ def assess(
     if k >= 0 and has(Mechanism.FAILURE):
         x, y, _, _, s = trace[n].tolist()
         meets = Encounter(forecast.user_ids[k], snapshot.time + n * ASSESSMENT_STEP_S, s + limits.front_overhang, x, y)
-        return Assessment(Outcome.FAILURE, late, place, meets)
-    return Assessment(Outcome.DEGRADED if late > EXCESSIVE_DELAY_S else Outcome.FINE, late, place)
+        return Assessment(PlanOutcome.FAILURE, late, place, meets)
+    return Assessment(PlanOutcome.DEGRADED if late > EXCESSIVE_DELAY_S else PlanOutcome.FINE, late, place)
 
 
 def would_meet(own: Passing, foe: Foe, other: Threat, patience: float, *, may_follow: bool) -> bool:
@@ -180,7 +180,7 @@ def failing_at(assessment: Assessment, met: Encounter | None) -> Assessment:
     known = assessment.encounter
     if met is None or (known is not None and known.time <= met.time):
         return assessment
-    return assessment._replace(outcome=Outcome.FAILURE, encounter=met)
+    return assessment._replace(outcome=PlanOutcome.FAILURE, encounter=met)
 
 
 def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Array:

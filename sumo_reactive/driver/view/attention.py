@@ -20,7 +20,7 @@ from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
-class Threat(NamedTuple):
+class ConflictingLane(NamedTuple):
     """A lane from which a conflict can arise.
 
     A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`; the region
@@ -35,17 +35,17 @@ class Threat(NamedTuple):
 
 
 @kept(4096)
-def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Threat, ...]]:
+def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[ConflictingLane, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
-    table: dict[str, list[Threat]] = {}
+    table: dict[str, list[ConflictingLane]] = {}
     own = graph.connections[connection_id]
     for conflict in conflicts_of(graph, own, graph.regions_on(own)):
         region = conflict.region.other.start, conflict.region.other.end
         for lane_id, behind in graph.lanes_behind(conflict.other):
-            table.setdefault(lane_id, []).append(Threat(conflict, -behind, (), *region))
-        for approach in graph.approaches.get(conflict.other.id, ()):
-            table.setdefault(approach.lane_id, []).append(Threat(conflict, approach.distance, approach.edges, *region))
-    return {lane: tuple(entries) for lane, entries in table.items()}
+            table.setdefault(lane_id, []).append(ConflictingLane(conflict, -behind, (), *region))
+        for lane in graph.approaches.get(conflict.other.id, ()):
+            table.setdefault(lane.lane_id, []).append(ConflictingLane(conflict, lane.distance, lane.edges, *region))
+    return {lane_id: tuple(entries) for lane_id, entries in table.items()}
 
 
 @kept(4096)
@@ -157,7 +157,7 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
 
 
 _Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
-"""A passage, and what a user of a lane may do to the ego on it: the fields of a `Threat`.
+"""A passage, and what a user of a lane may do to the ego on it: the fields of a `ConflictingLane`.
 
 It is plain because every user near is held against it at every step: a named tuple takes longer to take apart.
 """

@@ -84,7 +84,7 @@ class _Suspicion(NamedTuple):
     speed: float = 0.0
 
 
-class RightOfWay:
+class RightOfWayViolations:
     """Counts users that the ego obstructs, each once per junction passage.
 
     A user is obstructed when all of this holds: the ego's box is inside a conflict region; the ego's connection yields to

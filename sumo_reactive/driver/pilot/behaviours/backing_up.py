@@ -125,9 +125,9 @@ def has_room(situation: Situation) -> bool:
     return not is_too_near(situation)
 
 
-def back_up(situation: Situation) -> Instruction:
+def reverse(situation: Situation) -> Instruction:
     """Back up at walking speed."""
     return Instruction.BACK_UP
 
 
-RULE = BehaviourRule(Behaviour.BACKING_UP, (is_too_near,), back_up, (has_room,))
+RULE = BehaviourRule(Behaviour.BACKING_UP, (is_too_near,), reverse, (has_room,))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sumo_reactive.driver.nouns.constraint import stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.parameters import (
@@ -27,12 +27,13 @@ from sumo_reactive.driver.parameters import (
     URGENT_REACTION_S,
     URGENT_S,
 )
+from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 
-def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
+def pending_change(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     """Return the next lane change if it is time to seek a gap for it."""
     if not plan.lane_changes:
         return None
@@ -59,7 +60,7 @@ def seeks(snapshot: Snapshot, plan: NominalPlan) -> bool:
     """Whether it is time to seek a gap on the lane beside, or to see that it stays open."""
     if snapshot.off_tracking is not None or not plan.lane_changes:
         return snapshot.off_tracking is not None
-    return pending(snapshot, plan) is not None or just_begun(snapshot, plan) is not None
+    return pending_change(snapshot, plan) is not None or just_begun(snapshot, plan) is not None
 
 
 def _horizon(snapshot: Snapshot) -> float:
@@ -76,7 +77,7 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     begun = just_begun(snapshot, plan)
     if begun is not None:
         return _called_off(snapshot, plan, begun, limits)
-    change = pending(snapshot, plan)
+    change = pending_change(snapshot, plan)
     if change is None:
         aside = snapshot.off_tracking
         return LaneChanging() if aside is None else _before_cut(snapshot, aside, plan, limits, waited)
@@ -179,11 +180,6 @@ def is_sought(situation: Situation) -> bool:
 def is_done(situation: Situation) -> bool:
     """No change of lanes is in reach any more."""
     return not is_sought(situation)
-
-
-def follow_curve(situation: Situation) -> Instruction:
-    """Follow C, which makes the change where the gap is; without one, stop where C would begin it."""
-    return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
 
 
 RULE = BehaviourRule(Behaviour.CHANGING_LANES, (is_sought,), follow_curve, (is_done,))

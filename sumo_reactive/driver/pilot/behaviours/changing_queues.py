@@ -23,7 +23,8 @@ from sumo_reactive.driver.parameters import (
     TURNER_WAIT_S,
     TURNERS_FEARED,
 )
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import follow_curve, leaves_gap, pending
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import leaves_gap, pending_change
+from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import letter_of
@@ -128,7 +129,7 @@ def _next_way(snapshot: Snapshot, ways: tuple[Crossing, ...]) -> Crossing | None
 def _is_free_to_choose(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> bool:
     """Whether the ego is settled on its lane, and no other manoeuvre is under way or due."""
     under_way = memory.overtaking is not None or plan.aside is not None or snapshot.s < plan.joins
-    return not under_way and pending(snapshot, plan) is None
+    return not under_way and pending_change(snapshot, plan) is None
 
 
 def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, limits: VehicleLimits) -> LaneChanging:

@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import STANDING_SPEED, TURNAROUND_PATIENCE_S, TURNAROUND_REACHED_M
+from sumo_reactive.driver.pilot.behaviours.cautious import approach
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import reach_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
@@ -106,11 +107,6 @@ def is_near(situation: Situation) -> bool:
 def is_over(situation: Situation) -> bool:
     """No such turn is near any more."""
     return not is_near(situation)
-
-
-def approach(situation: Situation) -> Instruction:
-    """Come to a stand where the turn begins; its moves follow."""
-    return Instruction.APPROACH if situation.stop is None else Instruction.STOP
 
 
 RULE = BehaviourRule(Behaviour.TURNING_ROUND, (is_near,), approach, (is_over,))

@@ -165,7 +165,7 @@ def unconditional_stop(view: View, memory: PilotMemory) -> TimeConstraint | None
     return min((stop for stop in stops if stop is not None), key=lambda stop: stop.s, default=None)
 
 
-def nearest(waits: tuple[Wait, ...]) -> TimeConstraint | None:
+def nearest_stop(waits: tuple[Wait, ...]) -> TimeConstraint | None:
     """Return the first place to stop at."""
     return min((stop for stop, _ in waits), key=lambda stop: stop.s, default=None)
 
