@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, lattice, paper_grid, wide_grid
@@ -47,8 +46,6 @@ from sumo_reactive.driver.parameters import (
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
-
-Array = NDArray[np.float64]
 
 HARDER_BY = 1e-3
 """m/s²; rounding."""

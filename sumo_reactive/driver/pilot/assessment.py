@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.ablation import Mechanism, has
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.forecast import Forecast
@@ -29,16 +30,14 @@ from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, is_enough
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
 
-Array = NDArray[np.float64]
-
 
 class Way(NamedTuple):
     """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s."""
 
-    x: Array
-    y: Array
-    heading: Array
-    speed_limits: Array
+    x: Floats
+    y: Floats
+    heading: Floats
+    speed_limits: Floats
     step: float
 
 
@@ -50,9 +49,9 @@ def way_of(plan: NominalPlan) -> Way:
 
 @kernel
 def drive_ahead(
-    s: float, heading: float, speed: float, x: Array, y: Array, headings: Array, limits: Array, step: float,
-    stop: float, leaders: Array, acceleration: float, deceleration: float, headway: float, gap: float, wheelbase: float,
-    overhang: float, dt: float, out: Array,
+    s: float, heading: float, speed: float, x: Floats, y: Floats, headings: Floats, limits: Floats, step: float,
+    stop: float, leaders: Floats, acceleration: float, deceleration: float, headway: float, gap: float, wheelbase: float,
+    overhang: float, dt: float, out: Floats,
 ) -> None:  # fmt: skip
     """Fill `out` (n, 5) with front bumper x, y, heading, speed, s of F, every `dt` s: M with its front axle on C.
 
@@ -80,8 +79,8 @@ def drive_ahead(
 
 @kernel
 def first_contact(
-    trace: Array, length: float, width: float, points: Array, first: NDArray[np.int64], count: NDArray[np.int64],
-    bodies: Array, speeds: Array, leads: Array, dt: float, path_step: float,
+    trace: Floats, length: float, width: float, points: Floats, first: NDArray[np.int64], count: NDArray[np.int64],
+    bodies: Floats, speeds: Floats, leads: Floats, dt: float, path_step: float,
 ) -> tuple[int, int]:  # fmt: skip
     """Return (path, step of `trace`) where the ego's box first meets another's; (-1, -1) when it never does.
 
@@ -111,11 +110,11 @@ def simulate(
     snapshot: Snapshot,
     way: Way,
     stop: TimeConstraint | None,
-    leaders: Array,
+    leaders: Floats,
     limits: VehicleLimits,
     duration: float,
     headway: float = 1.0,
-) -> Array:
+) -> Floats:
     """Return the ego's motion along `way`, (n, 5) as `drive_ahead` gives it, behind `leaders` (m, 3), up to `stop`.
 
     `headway`: share of the driver's own that is kept.
@@ -136,7 +135,7 @@ def followed(snapshot: Snapshot) -> list[PathObstacle]:
     return [o for o in snapshot.on_path if o.along > -STANDING_SPEED and abs(o.across) <= max(o.along, STANDING_SPEED)]
 
 
-def leader_table(snapshot: Snapshot) -> Array:
+def leader_table(snapshot: Snapshot) -> Floats:
     """Return the leaders as `drive_ahead` wants them: in the way for ever."""
     return np.array([(o.start, max(o.along, 0.0), math.inf) for o in followed(snapshot)]).reshape(-1, 3)
 
@@ -183,7 +182,7 @@ def failing_at(assessment: Assessment, met: Encounter | None) -> Assessment:
     return assessment._replace(outcome=PlanOutcome.FAILURE, encounter=met)
 
 
-def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Array:
+def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Floats:
     """The speed of each path (k,), m/s; NaN where its user need not be looked at."""
     pose = snapshot.ego.pose
     middle = limits.front_to_rear_axle - 0.5 * limits.length
@@ -196,8 +195,8 @@ def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trust
 
 @kernel
 def speeds_ahead(
-    points: Array, first: NDArray[np.int64], bodies: Array, x: float, y: float, heading: float, middle: float
-) -> Array:
+    points: Floats, first: NDArray[np.int64], bodies: Floats, x: float, y: float, heading: float, middle: float
+) -> Floats:
     """Return the speed of each path (k,), m/s, NaN for those who follow: their front is behind the ego's middle, which is
     `middle` m ahead of its rear axle at (x, y)."""
     c, s = math.cos(heading), math.sin(heading)

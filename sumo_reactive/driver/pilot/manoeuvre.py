@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.geometry.polyline import eased, moved_aside
+from sumo_reactive.driver.geometry.polyline import Floats, eased, moved_aside
 from sumo_reactive.driver.nouns.forecast import LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
@@ -30,8 +30,6 @@ from sumo_reactive.driver.pilot.passed import FIND_REACH_M, Passed, lateral_for,
 from sumo_reactive.driver.pilot.situation import Proof, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import side_step_length
-
-Array = NDArray[np.float64]
 
 LANE_WIDTH_M = 3.2
 """SUMO's usual lane; sets only how long a move aside takes."""
@@ -115,7 +113,7 @@ def _way_out(situation: Situation, x: Passed, lateral: float) -> Way:
     return displaced(whole, lateral * eased(t), snapshot.s)
 
 
-def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
+def _along(plan: NominalPlan, end: float) -> tuple[Way, Floats]:
     """Return C up to arc length `end` (m), and the arc length of each sample (n,)."""
     curve = plan.curve
     n = min(len(curve.x), int(end / curve.step) + 2)
@@ -123,7 +121,7 @@ def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
     return Way(curve.x[:n], curve.y[:n], curve.heading[:n], plan.speed_limits[:n], curve.step), samples
 
 
-def displaced(way: Way, lateral: Array, start: float) -> Way:
+def displaced(way: Way, lateral: Floats, start: float) -> Way:
     """Return `way` moved to its left by `lateral` (n,), m, from arc length `start` on; as it is, if it ends before."""
     first = max(int(start / way.step) - 1, 0)
     if first > len(way.x) - 2:
@@ -138,7 +136,7 @@ def displaced(way: Way, lateral: Array, start: float) -> Way:
     return way._replace(x=x, y=y, heading=heading)
 
 
-def _leaders(situation: Situation, x: Passed, lateral: float) -> Array:
+def _leaders(situation: Situation, x: Passed, lateral: float) -> Floats:
     """Return the leaders for the simulation: X until the way past it leads aside, the others for ever."""
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
@@ -157,7 +155,7 @@ def _is_in_sight(situation: Situation, lane: LaneBeside, until: float, duration:
     return sight - lane.speed_limit * (duration + BEFORE.oncoming) > until
 
 
-def _meeting(situation: Situation, trace: Array, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:
+def _meeting(situation: Situation, trace: Floats, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:
     """Return the proof, after a look at everybody: where foreseen, earlier by the margin, later by half of it."""
     forecast, limits, room = situation.outlook.forecast, situation.limits, margin.room
     speeds, oncoming = _speeds(situation)
@@ -174,7 +172,7 @@ def _meeting(situation: Situation, trace: Array, x: Passed, aside: Aside, durati
     return Proof(aside, "", duration)
 
 
-def _speeds(situation: Situation) -> tuple[Array, NDArray[np.bool_]]:
+def _speeds(situation: Situation) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the speed of each path, m/s (NaN: its user need not be looked at), and which come towards the ego.
 
     Oncoming traffic that moves is taken at its lane's limit if it is slower; who follows on the ego's own lane brakes.
