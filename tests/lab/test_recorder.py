@@ -190,6 +190,15 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
     assert read_entries(path) == (entry,)
 
 
+def test_a_record_in_which_a_turn_in_several_moves_was_a_crossing_is_read_still(tmp_path):
+    turn = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause="3 moves", passes=True)
+    (entry,) = entries([record(1.5, behaviour="crossing an intersection", instruction="follow C", decisions=(turn,))])
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(json.dumps(line_of(entry)) + "\n", encoding="utf-8")
+    assert '"behaviour": "crossing an intersection", "reason": "the road is too narrow' in path.read_text(encoding="utf-8")
+    assert read_entries(path) == (entry,)
+
+
 @pytest.mark.parametrize(
     ("line", "complaint"),
     [

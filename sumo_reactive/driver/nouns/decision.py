@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class Behaviour(Enum):
-    """What the ego is doing: the paper's five (F&L 1991, §2), and those that the road adds."""
+    """What the ego is doing: the paper's five (F&L 1991, §2), and those that the road adds; a file each."""
 
     NORMAL = "normal driving"
     CAUTIOUS = "cautious driving"
@@ -66,7 +66,7 @@ class Reason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """A symbolic statement of the pilot: in `behaviour`, because of `reason`, caused by `cause` at `region`.
+    """A symbolic statement of the pilot: what `behaviour` does because of `reason`, caused by `cause` at `region`.
 
     `figures` are the numbers that it rests on, by name with unit (`arrival_s`, `clearance_s`, `gap_m`).
     """

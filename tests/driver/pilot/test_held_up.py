@@ -99,7 +99,7 @@ def test_a_queue_that_is_held_up_is_left_for_a_lane_that_is_free():
     change = leaving(STUCK, ())
     assert change.side == WAY.side
     assert (change.why.reason, change.why.region, change.why.cause) == (Reason.HELD_UP, WAY.to_lane, "x30")
-    assert change.why.passes and change.why.behaviour is Behaviour.NORMAL
+    assert change.why.passes and change.why.behaviour is Behaviour.CHANGING_QUEUES
     assert change.stop is None
 
 

@@ -56,20 +56,16 @@ def escape(situation: Situation) -> Escape | None:
     if x is not None and _is_too_near(situation, x):
         place = x.start - HALTED_ROOM_M
         stop = stop_at(place, Reason.BLOCKED, cause=x.user.id)
-        return Escape(_decision(Reason.BLOCKED, x.user.id), Instruction.BACK_UP, stop)
+        return Escape(Decision(Behaviour.BACKING_UP, Reason.BLOCKED, cause=x.user.id), Instruction.BACK_UP, stop)
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
         return None
     if x is not None and x.start - situation.snapshot.front < HALTED_ROOM_M + 1.0:
-        return Escape(_decision(Reason.BLOCKED, x.user.id))
-    decision = _decision(Reason.NO_PROGRESS, "")
+        return Escape(Decision(Behaviour.STOPPING, Reason.BLOCKED, cause=x.user.id))
+    decision = Decision(Behaviour.STOPPING, Reason.NO_PROGRESS)
     if situation.memory.escapes % 2 == 0:
         return Escape(decision, replanning=Replanning.CURVE if due else Replanning.NOTHING)
     return Escape(decision, Instruction.WIDEN)
-
-
-def _decision(reason: Reason, cause: str) -> Decision:
-    return Decision(Behaviour.STOPPING, reason, cause=cause)
 
 
 def _has_right(situation: Situation, x: PathObstacle | None) -> bool:

@@ -100,7 +100,7 @@ def _called_off(snapshot: Snapshot, plan: NominalPlan, begun: LaneChange, limits
     blocker = next((n.user.id for n in closing if not leaves_gap(n, snapshot.ego.speed, limits, 1.0)), "")
     if not blocker or not _may_wait(snapshot, plan, limits):
         return LaneChanging()
-    why = Decision(Behaviour.NORMAL, Reason.GAP_CLOSED, begun.to_lane, blocker)
+    why = Decision(Behaviour.CHANGING_LANES, Reason.GAP_CLOSED, begun.to_lane, blocker)
     return LaneChanging(why=why, calls_off=True)
 
 

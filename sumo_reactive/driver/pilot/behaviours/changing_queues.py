@@ -138,7 +138,7 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)
     needed = SWING_OUT_M + speed * speed / (2.0 * limits.comfort_deceleration)
     if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
-        why = Decision(Behaviour.NORMAL, Reason.HELD_UP, way.to_lane, cause.user.id, passes=True)
+        why = Decision(Behaviour.CHANGING_QUEUES, Reason.HELD_UP, way.to_lane, cause.user.id, passes=True)
         return LaneChanging(way.side, why=why)
     place, nearest = x - HALTED_ROOM_M, snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
     if place < nearest and speed >= CREEPING_SPEED:

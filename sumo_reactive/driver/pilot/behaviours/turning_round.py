@@ -66,7 +66,7 @@ def turn_round(
     turn, move = memory.move
     moves = plan.turnarounds[turn].moves
     if is_stuck:
-        decision = Decision(Behaviour.CROSSING, Reason.NO_PROGRESS, passes=True)
+        decision = Decision(Behaviour.TURNING_ROUND, Reason.NO_PROGRESS, passes=True)
         return Turning(moves[move], decision, Request(Replanning.CURVE), memory._replace(move=None))
     return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)
 
@@ -86,7 +86,7 @@ def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> T
     """Return the orders for a move of a turn; after the last one, at whose end the ego stands until then, for a curve from
     the lane turned into."""
     turn = plan.turnarounds[number]
-    decision = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
+    decision = Decision(Behaviour.TURNING_ROUND, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
     if move < len(turn.moves):
         return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
     after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
