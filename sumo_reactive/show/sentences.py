@@ -120,7 +120,7 @@ REASONS: dict[Reason, Wording] = {
         "calls off the change to lane {region}, since {cause} has closed the gap there",
         "changes to lane {region} although {cause} has closed the gap there",
     ),
-    Reason.HELD_UP: Wording(
+    Reason.QUEUE_CHANGE: Wording(
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",
     ),

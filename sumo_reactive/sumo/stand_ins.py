@@ -80,7 +80,7 @@ def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = 
         lane = lane_in_change(by, s)
         if lane is not None:
             return OccupiedLane(lane, x, y, speed, edges)
-        lane = lane_cut_in_bend(by, s, stop)
+        lane = lane_off_tracked(by, s, stop)
         return None if lane is None else OccupiedLane(lane, x, y, speed, edges, waits=True)
     lane = _beside(graph, own.id, by.plan.aside.lateral)
     if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - STRADDLE_M:
@@ -159,7 +159,7 @@ def lane_in_change(by: Occupant, s: float) -> Lane | None:
     return other if abs(d) <= abs(other.spine.project(*by.front)[1]) else lane
 
 
-def lane_cut_in_bend(by: Occupant, s: float, stop: float = math.inf) -> Lane | None:
+def lane_off_tracked(by: Occupant, s: float, stop: float = math.inf) -> Lane | None:
     """Return the lane beside the ego's that a long body covers in a bend, now or soon; None: there is none.
 
     The rear cuts to the inside of a bend, the front swings out of it. Who comes there from behind must see it before the
@@ -167,10 +167,10 @@ def lane_cut_in_bend(by: Occupant, s: float, stop: float = math.inf) -> Lane | N
     """
     graph, front = by.graph, s + by.limits.front_overhang
     rear, ahead = front - by.limits.length, max(min(front + by.ego.speed * CUT_SEEN_S, stop), front)
-    for cut in off_tracking_of(by.plan, graph, by.limits):
-        if rear < cut.end and cut.start < ahead:
-            beside = lane_at_side(graph, by.here.lane_id, cut.left)
-            return graph.lanes[cut.lane_id] if beside is None and cut.lane_id.startswith(":") else beside
+    for place in off_tracking_of(by.plan, graph, by.limits):
+        if rear < place.end and place.start < ahead:
+            beside = lane_at_side(graph, by.here.lane_id, place.left)
+            return graph.lanes[place.lane_id] if beside is None and place.lane_id.startswith(":") else beside
     return None
 
 

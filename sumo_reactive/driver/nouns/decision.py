@@ -53,7 +53,7 @@ class Reason(Enum):
     SCHEDULED_STOP = "the route has a stop here"
     NO_GAP = "no gap on the lane that the route needs"
     GAP_CLOSED = "the gap on the other lane has closed"
-    HELD_UP = "the queue ahead is held up, and a lane beside leads on as well"
+    QUEUE_CHANGE = "the queue ahead is held up, and a lane beside leads on as well"
     BLOCKED = "the way is blocked"
     SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"
     GAP_LOST = "the gap to pass is lost"

@@ -29,8 +29,8 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
-from sumo_reactive.driver.world.abreast import abreast_of, beside
 from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lateral_conflict import beside, lateral_conflicts
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 FASTER = 2.0
@@ -103,7 +103,7 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
         if last - first < 2:
             continue
         places = np.column_stack((curve.x[first:last], curve.y[first:last]))
-        for other, way in abreast_of(graph, passage.connection_id):
+        for other, way in lateral_conflicts(graph, passage.connection_id):
             aside = np.abs(beside(way, places))
             at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M)
             if len(at):
@@ -120,7 +120,7 @@ def ahead_at_narrows(
 ) -> Iterator[Leader]:  # fmt: skip
     """Yield a leader for everybody who is first at a narrow place before the ego; its bumper is at `front` m of C.
 
-    Who is in it already is seen in the corridor. Where both would arrive abreast the ego falls back: nobody else does.
+    Who is in it already is seen in the corridor. Where both would arrive at once the ego falls back: nobody else does.
     """
     for narrow in narrows:
         left = narrow.start - front

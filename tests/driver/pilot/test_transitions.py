@@ -29,7 +29,7 @@ def test_every_behaviour_has_a_file_of_its_name():
 @pytest.mark.parametrize(
     ("reason", "behaviour"),
     [
-        (Reason.NO_GAP, Behaviour.CHANGING_LANES), (Reason.HELD_UP, Behaviour.CHANGING_QUEUES),
+        (Reason.NO_GAP, Behaviour.CHANGING_LANES), (Reason.QUEUE_CHANGE, Behaviour.CHANGING_QUEUES),
         (Reason.NARROW_TURN, Behaviour.TURNING_ROUND), (Reason.COMES_OVER, Behaviour.TURNING_ROUND),
         (Reason.SCHEDULED_STOP, Behaviour.STOPPING), (Reason.YIELD_TO, Behaviour.CAUTIOUS),
     ],

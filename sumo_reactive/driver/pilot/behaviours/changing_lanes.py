@@ -80,7 +80,7 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     change = pending_change(snapshot, plan)
     if change is None:
         aside = snapshot.off_tracking
-        return LaneChanging() if aside is None else _before_cut(snapshot, aside, plan, limits, waited)
+        return LaneChanging() if aside is None else _before_off_tracking(snapshot, aside, plan, limits, waited)
     left, pressing = change.start - snapshot.front, max(URGENT_M, URGENT_S * snapshot.ego.speed)
     urgency = min(1.0, max(0.0, 1.0 - left / pressing))
     blocker = _blocker(snapshot, limits, urgency)
@@ -114,19 +114,19 @@ def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> b
     return last - snapshot.front > snapshot.ego.speed**2 / (2.0 * limits.comfort_deceleration)
 
 
-def _before_cut(
-    snapshot: Snapshot, cut: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
+def _before_off_tracking(
+    snapshot: Snapshot, place: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
 ) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
-    left, speed = cut.start - snapshot.front, snapshot.ego.speed
+    left, speed = place.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
         return LaneChanging()
-    pace = min(max(speed, CREEPING_SPEED), plan.road_speed(cut.start))
+    pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / CUT_PATIENCE_S, 1.0)
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
-            return LaneChanging(stop=stop_at(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
+            return LaneChanging(stop=stop_at(place.start, Reason.NO_GAP, region=place.lane_id, cause=neighbour.user.id))
     return LaneChanging()
 
 

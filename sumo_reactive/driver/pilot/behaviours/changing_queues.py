@@ -138,7 +138,7 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)
     needed = SWING_OUT_M + speed * speed / (2.0 * limits.comfort_deceleration)
     if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
-        why = Decision(Behaviour.CHANGING_QUEUES, Reason.HELD_UP, way.to_lane, cause.user.id, passes=True)
+        why = Decision(Behaviour.CHANGING_QUEUES, Reason.QUEUE_CHANGE, way.to_lane, cause.user.id, passes=True)
         return LaneChanging(way.side, why=why)
     place, nearest = x - HALTED_ROOM_M, snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
     if place < nearest and speed >= CREEPING_SPEED:
@@ -146,14 +146,14 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     place = max(place, nearest + (_CREEPING_ROOM_M if speed > STANDING_SPEED else 0.0))
     if place == math.inf:
         return LaneChanging()
-    return LaneChanging(stop=stop_at(place, Reason.HELD_UP, way.to_lane, cause.user.id))
+    return LaneChanging(stop=stop_at(place, Reason.QUEUE_CHANGE, way.to_lane, cause.user.id))
 
 
 def is_worth_it(situation: Situation) -> bool:
     """The queue is held up, and a lane beside leads on as well and is over sooner."""
     changing = situation.changing
     reasons = (changing.why and changing.why.reason, changing.stop and changing.stop.reason)
-    return Reason.HELD_UP in reasons
+    return Reason.QUEUE_CHANGE in reasons
 
 
 def is_not_worth_it(situation: Situation) -> bool:

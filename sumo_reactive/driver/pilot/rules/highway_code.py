@@ -174,7 +174,7 @@ _STOPS_OF = {
     Reason.SCHEDULED_STOP: Behaviour.STOPPING,
     Reason.BLOCKED: Behaviour.STOPPING,
     Reason.NO_GAP: Behaviour.CHANGING_LANES,
-    Reason.HELD_UP: Behaviour.CHANGING_QUEUES,
+    Reason.QUEUE_CHANGE: Behaviour.CHANGING_QUEUES,
     Reason.NARROW_TURN: Behaviour.TURNING_ROUND,
     Reason.COMES_OVER: Behaviour.TURNING_ROUND,
 }

@@ -15,15 +15,15 @@ from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
-class Abreast(NamedTuple):
-    """Traffic on `connection` drives abreast of the ego's; `way` is its path and the start of the lane behind it."""
+class LateralConflict(NamedTuple):
+    """Traffic on `connection` drives beside the ego's, too near; `way` is its path and the start of the lane behind it."""
 
     connection: Connection
     way: Polyline
 
 
 @kept(4096)
-def abreast_of(graph: RoadGraph, connection_id: str) -> tuple[Abreast, ...]:
+def lateral_conflicts(graph: RoadGraph, connection_id: str) -> tuple[LateralConflict, ...]:
     """Return whose ways come nearer than ABREAST_M to the way of a connection, from other lanes of its road to other lanes.
 
     Pairs that the network calls conflicting have rules; where it calls them free, SUMO's cars do not look at each other.
@@ -37,7 +37,7 @@ def abreast_of(graph: RoadGraph, connection_id: str) -> tuple[Abreast, ...]:
             continue
         way = _way(graph, other)
         if _nearest(line, way) < ABREAST_M:
-            found.append(Abreast(other, Polyline(way)))
+            found.append(LateralConflict(other, Polyline(way)))
     return tuple(found)
 
 
