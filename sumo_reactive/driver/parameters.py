@@ -173,13 +173,13 @@ WAITING_LENGTH_M = 5.0
 WAITING_WIDTH_M = 1.8
 """…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
-ABREAST_M = 2.8
+LATERAL_CONFLICT_M = 2.8
 """Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
 
-ABREAST_WIDTH_M = 2.5
+WIDEST_BESIDE_M = 2.5
 """The widest ordinary body, a truck's or bus's."""
 
-MIN_ABREAST_M = 0.1
+LEAST_BESIDE_M = 0.1
 """Who would be nearer than this beside the ego is not passed, nor let pass."""
 
 NARROW_LEAD_S = 0.5
@@ -695,23 +695,23 @@ PLAN_RESERVE_M = 600.0
 OFF_CURVE_M = 1.5
 """An ego this far from C plans anew from where it is."""
 
-CUT_M = 0.6
+OFF_TRACKING_M = 0.6
 """A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
 0.7 m."""
 
 PLANS_KEPT = 512
 """What is worked out once for a plan is kept for so many: one for each of several hundred egos."""
 
-CUT_SIGHT_M = 60.0
+OFF_TRACKING_SIGHT_M = 60.0
 """So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
 
-CUT_PATIENCE_S = 15.0
+OFF_TRACKING_PATIENCE_S = 15.0
 """After so long a wait for a gap to cut into, the ego takes one that those behind must brake for, though not hard."""
 
-CUT_SEEN_S = 2.0
+OFF_TRACKING_SEEN_S = 2.0
 """So long before, at the present speed: who comes from behind needs as much to fall back."""
 
-STRADDLE_M = 0.1
+OCCUPIED_LANE_M = 0.1
 """A body nearer than this to a lane border is taken to reach over it."""
 
 DETOUR_PATIENCE_S = 90.0

@@ -10,7 +10,7 @@ import libsumo
 
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.parameters import CUT_SEEN_S, STOP_LINE_MARGIN_M, STRADDLE_M
+from sumo_reactive.driver.parameters import OCCUPIED_LANE_M, OFF_TRACKING_SEEN_S, STOP_LINE_MARGIN_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
@@ -83,7 +83,7 @@ def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = 
         lane = lane_off_tracked(by, s, stop)
         return None if lane is None else OccupiedLane(lane, x, y, speed, edges, waits=True)
     lane = _beside(graph, own.id, by.plan.aside.lateral)
-    if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - STRADDLE_M:
+    if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - OCCUPIED_LANE_M:
         return None
     if lane.edge_id == own.edge_id:
         mapped = abs(own.spine.project(x, y)[1]) > abs(lane.spine.project(x, y)[1])
@@ -154,7 +154,7 @@ def lane_in_change(by: Occupant, s: float) -> Lane | None:
     if other is None:
         return None
     d = change.side * lane.spine.project(*by.front)[1]
-    if not is_old and s > change.end and 0.5 * width - d < 0.5 * lane.width - STRADDLE_M:
+    if not is_old and s > change.end and 0.5 * width - d < 0.5 * lane.width - OCCUPIED_LANE_M:
         return None
     return other if abs(d) <= abs(other.spine.project(*by.front)[1]) else lane
 
@@ -166,7 +166,7 @@ def lane_off_tracked(by: Occupant, s: float, stop: float = math.inf) -> Lane | N
     body is across, but not while the ego means to `stop` before. `s`: arc length of the front axle on C, m.
     """
     graph, front = by.graph, s + by.limits.front_overhang
-    rear, ahead = front - by.limits.length, max(min(front + by.ego.speed * CUT_SEEN_S, stop), front)
+    rear, ahead = front - by.limits.length, max(min(front + by.ego.speed * OFF_TRACKING_SEEN_S, stop), front)
     for place in off_tracking_of(by.plan, graph, by.limits):
         if rear < place.end and place.start < ahead:
             beside = lane_at_side(graph, by.here.lane_id, place.left)

@@ -12,7 +12,7 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, Turnaround
 from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
-from sumo_reactive.driver.parameters import CUT_SEEN_S
+from sumo_reactive.driver.parameters import OFF_TRACKING_SEEN_S
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.sumo import stand_ins
 from sumo_reactive.sumo.net_reader import read_net
@@ -173,7 +173,7 @@ LEFT_CUT, INSIDE = OffTracking(50.0, 60.0, True, "ab_1"), OffTracking(50.0, 60.0
 def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
     monkeypatch, road, cut, lane_id, front, speed, stop, lane
 ):
-    assert CUT_SEEN_S == 2.0
+    assert OFF_TRACKING_SEEN_S == 2.0
     plan, s = planned(), front - CAR.front_overhang
     asked = []
     ways = (OffTracking(0.0, 1.0, False, "ab_1"), cut)

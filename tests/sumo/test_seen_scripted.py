@@ -1,4 +1,4 @@
-"""What sensor and observed vehicle make of SUMO's answers, value by value, and how often they ask; the answers are scripted."""
+"""What sensor and observed vehicle make of SUMO's answers, value by value, and how often they ask; answers are scripted."""
 
 import math
 from types import SimpleNamespace

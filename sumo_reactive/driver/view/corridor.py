@@ -18,9 +18,9 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.parameters import (
     CORRIDOR_MARGIN_M,
-    CUT_M,
-    CUT_SIGHT_M,
     NEAR_M,
+    OFF_TRACKING_M,
+    OFF_TRACKING_SIGHT_M,
     PLANS_KEPT,
     STANDING_SPEED,
     TURN_FORESEEN_S,
@@ -173,7 +173,7 @@ def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) 
         aside = own.spine.offsets(places[first:end])
         for left, reach in ((True, aside + band.left[first:end]), (False, band.right[first:end] - aside)):
             lane = lane_at_side(graph, g.lane_id, left)
-            at = first + np.flatnonzero(reach > 0.5 * own.width + CUT_M)
+            at = first + np.flatnonzero(reach > 0.5 * own.width + OFF_TRACKING_M)
             if lane is not None and len(at):
                 runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
                 ends = ((float(run[0]) * curve.step, float(run[-1]) * curve.step) for run in runs)
@@ -189,7 +189,7 @@ def next_off_tracking(
     `s`, `front`: arc length of front axle and front bumper on C, m.
     """
     for found in off_tracking_of(plan, graph, limits):
-        if found.start > front + CUT_SIGHT_M:
+        if found.start > front + OFF_TRACKING_SIGHT_M:
             break
         if found.end > s and not found.lane_id.startswith(":"):
             return found

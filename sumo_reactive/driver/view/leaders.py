@@ -16,16 +16,16 @@ from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
-    ABREAST_WIDTH_M,
     CROSSER_MARGIN_S,
     FOE_ACCELERATION,
     HOLD_BACK_REACH_M,
+    LEAST_BESIDE_M,
     MAX_ACCELERATION_IN_PLAN,
-    MIN_ABREAST_M,
     NARROW_HEADWAY,
     NARROW_LEAD_S,
     PLANS_KEPT,
     STANDING_SPEED,
+    WIDEST_BESIDE_M,
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
@@ -105,7 +105,7 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
         places = np.column_stack((curve.x[first:last], curve.y[first:last]))
         for other, way in lateral_conflicts(graph, passage.connection_id):
             aside = np.abs(beside(way, places))
-            at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M)
+            at = np.flatnonzero(aside < 0.5 * (limits.width + WIDEST_BESIDE_M) + LEAST_BESIDE_M)
             if len(at):
                 start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
                 along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
@@ -137,7 +137,7 @@ def _coming(
     """Yield who comes to a narrow place that is too narrow for him beside the ego, and the way (m) to it."""
     for user in users:
         to_line = _to_line(user, narrow, graph)
-        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > MIN_ABREAST_M:
+        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > LEAST_BESIDE_M:
             continue
         if user.speed >= STANDING_SPEED or to_line <= 0.0:
             yield to_line + narrow.other_start, user

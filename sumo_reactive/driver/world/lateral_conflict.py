@@ -10,7 +10,7 @@ import shapely
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, cut, joined
-from sumo_reactive.driver.parameters import ABREAST_M, HOLD_BACK_REACH_M, SIDE_BY_SIDE_ANGLE
+from sumo_reactive.driver.parameters import HOLD_BACK_REACH_M, LATERAL_CONFLICT_M, SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -24,7 +24,7 @@ class LateralConflict(NamedTuple):
 
 @kept(4096)
 def lateral_conflicts(graph: RoadGraph, connection_id: str) -> tuple[LateralConflict, ...]:
-    """Return whose ways come nearer than ABREAST_M to the way of a connection, from other lanes of its road to other lanes.
+    """Return whose ways come nearer than LATERAL_CONFLICT_M to that of a connection, from and to other lanes of its road.
 
     Pairs that the network calls conflicting have rules; where it calls them free, SUMO's cars do not look at each other.
     """
@@ -36,7 +36,7 @@ def lateral_conflicts(graph: RoadGraph, connection_id: str) -> tuple[LateralConf
         if declared or not _drives_beside(graph, own, other):
             continue
         way = _way(graph, other)
-        if _nearest(line, way) < ABREAST_M:
+        if _nearest(line, way) < LATERAL_CONFLICT_M:
             found.append(LateralConflict(other, Polyline(way)))
     return tuple(found)
 

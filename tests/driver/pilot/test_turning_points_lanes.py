@@ -13,9 +13,9 @@ from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
     CALL_OFF_SHARE,
-    CUT_PATIENCE_S,
     LANE_CHANGE_LOOK_AHEAD_M,
     LANE_CHANGE_LOOK_AHEAD_S,
+    OFF_TRACKING_PATIENCE_S,
 )
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
@@ -106,11 +106,11 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m behind of who creeps": (lambda m: calls_off(begun(200.0, 0.5), -m, 0.6), 3.0, 6.0, 5.0),
     "share of a change that may be called off": (seeks_after, 0.1, 0.9, CALL_OFF_SHARE),
     "m behind of a cut": (cuts_behind(0.0), 5.0, 120.0, 26.988),
-    "m behind of a cut after half the patience": (cuts_behind(0.5 * CUT_PATIENCE_S), 5.0, 120.0, 23.089),
-    "m behind of a cut after all patience": (cuts_behind(CUT_PATIENCE_S), 5.0, 120.0, 20.336),
-    "m behind of a cut long after": (cuts_behind(2.0 * CUT_PATIENCE_S), 5.0, 120.0, 20.336),
+    "m behind of a cut after half the patience": (cuts_behind(0.5 * OFF_TRACKING_PATIENCE_S), 5.0, 120.0, 23.089),
+    "m behind of a cut after all patience": (cuts_behind(OFF_TRACKING_PATIENCE_S), 5.0, 120.0, 20.336),
+    "m behind of a cut long after": (cuts_behind(2.0 * OFF_TRACKING_PATIENCE_S), 5.0, 120.0, 20.336),
     "m before of a cut": (cuts_before(0.0), 16.0, 120.0, 32.951),
-    "m before of a cut after all patience": (cuts_before(CUT_PATIENCE_S), 16.0, 120.0, 25.771),
+    "m before of a cut after all patience": (cuts_before(OFF_TRACKING_PATIENCE_S), 16.0, 120.0, 25.771),
     "m before a cut that are too short to stop": (
         lambda m: cutting(m, -10.0, 12.0).stop is None, 2.0, 40.0, 100.0 / (2.0 * CAR.service_deceleration),
     ),

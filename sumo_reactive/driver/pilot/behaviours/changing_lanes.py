@@ -9,7 +9,6 @@ from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.parameters import (
     CALL_OFF_SHARE,
     CREEPING_SPEED,
-    CUT_PATIENCE_S,
     EASY_STOP_DECELERATION,
     FOLLOWER_DECELERATION,
     FOLLOWER_HEADWAY_S,
@@ -22,6 +21,7 @@ from sumo_reactive.driver.parameters import (
     LANE_CHANGE_REACTION_S,
     LATE_LANE_CHANGE_LENGTH_M,
     MIN_LANE_CHANGE_LENGTH_M,
+    OFF_TRACKING_PATIENCE_S,
     URGENT_DECELERATION,
     URGENT_M,
     URGENT_REACTION_S,
@@ -122,7 +122,7 @@ def _before_off_tracking(
     if left < speed * speed / (2.0 * limits.service_deceleration):
         return LaneChanging()
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
-    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / CUT_PATIENCE_S, 1.0)
+    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / OFF_TRACKING_PATIENCE_S, 1.0)
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
