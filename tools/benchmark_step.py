@@ -90,18 +90,18 @@ def time_step(repeats: int) -> None:
 
 def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # type: ignore[no-untyped-def]
     """Return the whole step, with the pilot and without, and its stages, each ready to be called."""
-    from sumo_reactive.driver.controller import passages_ahead
     from sumo_reactive.driver.field.executor import execute
     from sumo_reactive.driver.nouns.event import Event, EventKind
     from sumo_reactive.driver.pilot.events import detect
     from sumo_reactive.driver.pilot.passages import view_of
     from sumo_reactive.driver.pilot.pilot import Style, decide
+    from sumo_reactive.driver.view.ahead import passages_ahead
     from sumo_reactive.driver.view.outlook import outlook
     from sumo_reactive.driver.view.perceive import perceive
 
     step = controller.step(traffic, drive, PERIOD_S)
     graph, limits, plan, snapshot = controller.graph, controller.limits, drive.plan, step.snapshot
-    ahead, after = passages_ahead(graph, plan, snapshot.passages), step.drive
+    ahead, after = passages_ahead(graph, plan, limits, snapshot.passages), step.drive
     foreseen, view = outlook(traffic, snapshot, plan, graph, limits), view_of(snapshot, plan, limits, ahead)
     event = (Event(EventKind.NEW_PLAN),)
     between = after._replace(ego=drive.ego, s=drive.s)
@@ -109,7 +109,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
         "step with an event": lambda: controller.step(traffic, drive, PERIOD_S),
         "step between events": lambda: controller.step(traffic, between, PERIOD_S),
         "  perceive": lambda: perceive(traffic, drive.ego, plan, graph, limits, drive.s),
-        "  what lies ahead": lambda: passages_ahead(graph, plan, snapshot.passages),
+        "  what lies ahead": lambda: passages_ahead(graph, plan, limits, snapshot.passages),
         "  detect events": lambda: detect(snapshot, plan, ahead, after.completed, after.memory, False),
         "  outlook (on an event)": lambda: outlook(traffic, snapshot, plan, graph, limits),
         "  decide (on an event)": lambda: decide(view, foreseen, event, drive.memory, Style()),

@@ -680,7 +680,7 @@ def _carriageway(axes: Axes, graph: RoadGraph) -> None:
 
 def _region_states(axes: Axes, shot: Shot, graph: RoadGraph) -> None:
     """Draw the conflict regions on the way, those in one state as one area."""
-    polygons = {region.id: shapely.Polygon(region.polygon) for regions in graph.regions.values() for region in regions}
+    polygons = {region.id: shapely.Polygon(region.polygon) for region in graph.regions.values()}
     for occupancy, style in STATE_STYLES.items():
         mine = [polygons[state.region] for state in shot.step.regions if state.occupancy is occupancy]
         for part in shapely.get_parts(shapely.union_all(mine)):

@@ -104,10 +104,10 @@ def _seeds(text: str) -> range:
 
 
 def _show(comparison: Comparison, quiet: bool) -> None:
-    from sumo_reactive.lab.comparison.record import HEAD, notes_of, rows_of
+    from sumo_reactive.lab.comparison.record import HEAD, comparison_rows, notes_of
 
     if not quiet:
-        rows = rows_of(comparison)
+        rows = comparison_rows(comparison)
         if rows:
             show_table(rows, HEAD)
         typer.echo("\n".join(notes_of(comparison)))

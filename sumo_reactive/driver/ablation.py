@@ -26,7 +26,7 @@ class Mechanism(IntEnum):
     ROOM_BEHIND = 6
     """Nobody asks for the post-conflict region."""
     GRAPH = 7
-    """No passage ahead is looked up in W: no line, no light, no region."""
+    """W is not walked: no line, no light, no region, no foe ahead."""
     EVENTS = 8
     """The pilot decides at every step."""
     FEEDBACK = 9

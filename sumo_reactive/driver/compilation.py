@@ -19,7 +19,7 @@ from typing import Any, TypeVar, cast
 import numba
 
 from sumo_reactive.driver.kernel_cache import KernelCache
-from sumo_reactive.driver.kernel_folder import VARIABLE, is_own, kernel_root, own_folder
+from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, is_own, kernel_root, own_folder
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -50,7 +50,7 @@ CACHE_FOLDER = _cache_folder()
 
 def is_kept() -> bool:
     """Whether compiled kernels are there for later runs, too."""
-    return CACHE_FOLDER is not None and VARIABLE not in os.environ
+    return CACHE_FOLDER is not None and FOLDER_VARIABLE not in os.environ
 
 
 def is_cached() -> bool:

@@ -8,7 +8,6 @@ from enum import Enum
 from typing import NamedTuple
 
 from sumo_reactive.driver.ablation import Mechanism
-from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.field.valley_map import MAP_MARGIN_M, MAP_SIDE_M, NO_MAP, ValleyMap, valley_map
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
@@ -19,13 +18,14 @@ from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.path.time_constraints import retimed
 from sumo_reactive.driver.pilot.events import detect, only_foes
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Ahead, view_of
+from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import Style, confirm, decide, may_confirm, notice
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.view.attention import conflicts_of, foes_of
+from sumo_reactive.driver.view.ahead import passages_ahead
+from sumo_reactive.driver.view.attention import foes_of
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import static_within
@@ -130,14 +130,14 @@ class Controller:
         none yet. Last is how often the highway code was asked."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
         has = snapshot.parameters.has
-        ahead = passages_ahead(self.graph, plan, snapshot.passages) if has(Mechanism.GRAPH) else ()
+        ahead = passages_ahead(self.graph, plan, self.limits, snapshot.passages)
         no_command = drive.last is not None and drive.last.emergency and not drive.last.hazard and has(Mechanism.FEEDBACK)
         events = detect(snapshot, plan, ahead, drive.completed, memory, no_command) if decides else ()
         runs_always = decides and not has(Mechanism.EVENTS)
         if not events and drive.completed is not None and not runs_always:
             return snapshot, drive.completed, memory, 0
         if not has_foes:
-            snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, snapshot.passages))
+            snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, self.limits, snapshot.passages))
         asked = 1
         foes_only = not runs_always and only_foes(events, snapshot)
         if drive.completed is not None and foes_only and may_confirm(snapshot, memory):
@@ -165,13 +165,6 @@ class Controller:
         plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
         static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
         return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static, self.limits.parameters)
-
-
-@kept(PLANS_KEPT)
-def passages_ahead(graph: RoadGraph, plan: NominalPlan, passages: tuple[int, ...]) -> Ahead:
-    """Return what the map knows of some passages of a plan, by their indices."""
-    ids = ((i, plan.passages[i].connection_id) for i in passages)
-    return tuple((i, graph.connections[name], conflicts_of(graph, name)) for i, name in ids)
 
 
 def moved(traffic: Traffic, duration: float) -> Traffic:

@@ -37,7 +37,7 @@ class Ways(Protocol):
         """Return the edges of the quickest way from one of `firsts` by all `goals` in order; empty: there is none."""
 
 
-class WayRound(NamedTuple):
+class Rerouting(NamedTuple):
     """A new route from the car's edge on, the lanes of the world around it, and how much longer it takes, s.
 
     `missed`: the edge that the old route turned to.
@@ -64,7 +64,7 @@ class Driving:
     drive: Drive
     speed_factor: float = 1.0
     ways: Ways | None = None
-    looked: tuple[int, str, WayRound | None] = (-1, "", None)
+    looked: tuple[int, str, Rerouting | None] = (-1, "", None)
 
     @property
     def graph(self) -> RoadGraph:
@@ -93,7 +93,7 @@ class Driving:
         """
         here, asked = replace(self, drive=step.drive), step.completed.request
         if asked.what is Replanning.ROUTE:
-            here, way = here._looked_round()
+            here, way = here._looked_for_rerouting()
             if way is not None and here._is_worth(way, time):
                 return here._rerouted(way, time)
         return here._replanned(step, time) if here._needs_curve(step) else here
@@ -117,7 +117,7 @@ class Driving:
         try:
             return self._on(self._plan(start, aside=aside), time)
         except PlanError:  # carried past the last place to change lanes
-            here, way = self._looked_round()
+            here, way = self._looked_for_rerouting()
             if way is None:
                 raise
             return here._rerouted(way, time)
@@ -155,18 +155,18 @@ class Driving:
     def _onward(self, lane: Lane, index: int) -> Lane | None:
         """Return a lane that leads on from one of the route's edge `index`; None: there is none."""
         following = self.route.edges[index + 1 : index + 2]
-        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.outgoing.get(lane.id, ()))
+        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.ways_from(lane.id))
         return next((one for one in ahead if one is not None and one.edge_id in following), None)
 
-    def _looked_round(self) -> tuple[Driving, WayRound | None]:
+    def _looked_for_rerouting(self) -> tuple[Driving, Rerouting | None]:
         """Return the other way from the car's lane to its goal, looked for once on each lane."""
         here = segment_at(self.drive.plan, self.front)
         if self.looked[:2] == (here.route_index, here.lane_id):
             return self, self.looked[2]
-        found = self._way_round(self.ways, here) if self.ways else None
+        found = self._rerouting(self.ways, here) if self.ways else None
         return replace(self, looked=(here.route_index, here.lane_id, found)), found
 
-    def _way_round(self, ways: Ways, here: LaneSegment) -> WayRound | None:
+    def _rerouting(self, ways: Ways, here: LaneSegment) -> Rerouting | None:
         """Return the quickest other way to the goal that the lane `here` leads to without a change; None: there is none.
 
         It passes the stops of the route that are not served yet.
@@ -178,7 +178,7 @@ class Driving:
         if lane.is_internal or index + 1 >= len(route.edges) or lane.edge_id in goals[:-1]:
             return None
         missed, vehicle_class = route.edges[index + 1], self.choice.vehicle_class
-        onward = [graph.lanes[way.to_lane] for way in graph.outgoing.get(lane.id, ())]
+        onward = [graph.lanes[way.to_lane] for way in graph.ways_from(lane.id)]
         firsts = [one.edge_id for one in onward if one.allows(vehicle_class) and one.edge_id != missed]
         way = ways.quickest_way(firsts, goals)
         if not way:
@@ -188,14 +188,14 @@ class Driving:
         lanes = choose_lanes(world, new, vehicle_class)
         if lanes.onward[0][lane.index].cost == math.inf:
             return None
-        return WayRound(new, lanes, _duration(world, new.edges) - _duration(graph, route.edges[index:]), missed)
+        return Rerouting(new, lanes, _duration(world, new.edges) - _duration(graph, route.edges[index:]), missed)
 
-    def _is_worth(self, way: WayRound, time: float) -> bool:
+    def _is_worth(self, way: Rerouting, time: float) -> bool:
         """Whether the car has waited for its turn as long as the other way takes longer."""
         since = self.drive.memory.waiting_since
         return since is not None and time - since >= min(way.longer, self.controller.limits.parameters.detour_patience_s)
 
-    def _rerouted(self, way: WayRound, time: float) -> Driving:
+    def _rerouted(self, way: Rerouting, time: float) -> Driving:
         """Return the driving on the other way, in the world around it."""
         start = replace(self._start(time), route_index=0)
         memory = self.drive.memory._replace(waiting_since=None, escapes=0, progress_time=time)

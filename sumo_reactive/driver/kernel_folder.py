@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-VARIABLE = "SUMO_REACTIVE_KERNELS"
+FOLDER_VARIABLE = "SUMO_REACTIVE_KERNELS"
 """Environment variable by which a process shares a folder of its own with those that it starts: `process id:path`."""
 
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
@@ -57,7 +57,7 @@ def _is_safe(place: Path) -> bool:
 
 
 def _shared(environment: Mapping[str, str]) -> Path | None:
-    maker, _, name = environment.get(VARIABLE, "").partition(":")
+    maker, _, name = environment.get(FOLDER_VARIABLE, "").partition(":")
     folder = Path(name)
     if not name or not is_own(folder):
         return None
@@ -73,7 +73,7 @@ def _private() -> Path | None:
         return None
     _remove_at_exit(folder)
     if own := own_folder(folder):
-        os.environ[VARIABLE] = f"{os.getpid()}:{own}"
+        os.environ[FOLDER_VARIABLE] = f"{os.getpid()}:{own}"
     return own
 
 

@@ -253,7 +253,7 @@ class Parameters:
     """…and that with which who is behind must be able to stop: SUMO's cars brake 1.2 times as hard as they must, here
     4.6."""
 
-    cut_patience_s: float = 15.0
+    off_tracking_patience_s: float = 15.0
     """After so long a wait for a gap to cut into, the ego takes one that those behind must brake for, though not hard."""
 
     # --- queues and missed turns ---
@@ -378,7 +378,8 @@ LEAST = {
     "control_period_s": 0.001, "paper_control_period_s": 0.001, "comfort_jerk": 0.1, "max_lateral_jerk": 0.1,
     "speed_approach_s": 0.01, "rolling_share": 0.01, "max_acceleration_in_plan": 0.1, "assessed_s": 1.0,
     "foe_acceleration": 0.01, "leaving_acceleration": 0.01, "follower_deceleration": 0.1, "easy_stop_deceleration": 0.1,
-    "urgent_m": 0.1, "urgent_deceleration": 0.1, "hard_stop_deceleration": 0.1, "cut_patience_s": 0.01, "overtaking_s": 1.0,
+    "urgent_m": 0.1, "urgent_deceleration": 0.1, "hard_stop_deceleration": 0.1, "off_tracking_patience_s": 0.01,
+    "overtaking_s": 1.0,
 }  # fmt: skip
 """The smallest value of a parameter that is divided by, or simulated for; every other may be 0."""
 

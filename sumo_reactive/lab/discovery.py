@@ -10,13 +10,13 @@ from pathlib import Path
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import text_of
 
-SUFFIX = ".toml"
+SCENARIO_SUFFIX = ".toml"
 TABLE = "scenario"
 
 
 def is_scenario_file(path: Path) -> bool:
     """Whether `path` is a scenario `.toml`; one that is broken counts if a line of it opens the table `[scenario]`."""
-    if path.suffix != SUFFIX:
+    if path.suffix != SCENARIO_SUFFIX:
         return False
     try:
         text = text_of(path)
@@ -39,11 +39,11 @@ def scenario_files(paths: Iterable[Path]) -> list[Path]:
     for path in paths:
         inside = sorted(_inside(path)) if path.is_dir() else [path]
         if not inside:
-            raise ScenarioError(f"{path}: no scenario file (a {SUFFIX} with a table [{TABLE}]) in this folder")
+            raise ScenarioError(f"{path}: no scenario file (a {SCENARIO_SUFFIX} with a table [{TABLE}]) in this folder")
         if not path.exists():
             raise ScenarioError(f"{path}: no such file or folder")
-        if path.suffix != SUFFIX and not path.is_dir():
-            raise ScenarioError(f"{path}: not a scenario file: its name does not end with {SUFFIX}")
+        if path.suffix != SCENARIO_SUFFIX and not path.is_dir():
+            raise ScenarioError(f"{path}: not a scenario file: its name does not end with {SCENARIO_SUFFIX}")
         for file in inside:
             found.setdefault(file.resolve(), file)
     return list(found.values())

@@ -163,8 +163,8 @@ class Record:
     def _regions_named(self) -> Iterator[ConflictRegion]:
         named = {state.region for step in self._steps for state in step.regions}
         named |= {decision.region for step in self._steps for decision in step.decisions}
-        of_connections = (regions for graph in self._graphs for regions in graph.regions.values())
-        return (region for regions in of_connections for region in regions if region.id in named)
+        known = (region for graph in self._graphs for region in graph.regions.values())
+        return (region for region in known if region.id in named)
 
 
 class Recorder(Record):

@@ -17,7 +17,7 @@ from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS, given_options, read_config, seconds_of
 
-Value = TypeVar("Value")
+NamedValue = TypeVar("NamedValue")
 
 
 class Limit(TomlTable):
@@ -149,9 +149,9 @@ def parameter(name: str, value: object) -> tuple[str, float]:
         raise problem_at(name, str(error)) from error
 
 
-def named_once(names: Iterable[str], found: Iterable[tuple[str, Value]]) -> dict[str, Value]:
+def named_once(names: Iterable[str], found: Iterable[tuple[str, NamedValue]]) -> dict[str, NamedValue]:
     """Return what was found for the `names` that a file spells, by the driver's own; tell of one that comes twice."""
-    values: dict[str, Value] = {}
+    values: dict[str, NamedValue] = {}
     for name, (known, value) in zip(names, found, strict=True):
         if known in values:
             raise problem_at(name, f"parameter '{known}' is named twice")

@@ -42,7 +42,7 @@ def read_toml(path: Path, schema: type[Model]) -> Model:
     except ValidationError as error:
         problem = error.errors()[0]
         keys = (*problem["loc"], *problem.get("ctx", {}).get("keys", ()))
-        line = line_of(text, keys)
+        line = line_number_of(text, keys)
         raise ScenarioError(f"{path}{f':{line}' if line else ''}: {_told(problem, keys, schema)}") from error
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path}{_line_in(str(error))}: not TOML: {_without_place(str(error))}") from error
@@ -52,7 +52,7 @@ def read_toml(path: Path, schema: type[Model]) -> Model:
         raise ScenarioError(f"{path}: nested too deeply") from error
 
 
-def line_of(text: str, keys: KeyPath) -> int | None:
+def line_number_of(text: str, keys: KeyPath) -> int | None:
     """Return the line at which the statement begins that first gives the value at `keys`, or the nearest table above it.
 
     `text` is TOML. A prefix that ends within a statement is no TOML, so each prefix that is ends a statement.
@@ -131,7 +131,7 @@ Schema = TypeVar("Schema")
 MOST_RECORD_BYTES = 2**28
 """No file of a record is larger."""
 
-LARGEST = 1e12
+LARGEST_NUMBER = 1e12
 """No number of a record is larger, whatever its unit."""
 
 
@@ -139,7 +139,7 @@ def _whole(value: float) -> float:
     return int(value) if value.is_integer() else value
 
 
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False), AfterValidator(_whole)]
+Number = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False), AfterValidator(_whole)]
 """A number of a record; a whole one stays whole, as counts are."""
 
 

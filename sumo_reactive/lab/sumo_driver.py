@@ -38,9 +38,9 @@ class WatchedTrip:
     graphs: tuple[RoadGraph, ...] = ()
 
     def __init__(self, session: Session, vehicle_id: str, net_file: Path, stuck_s: float) -> None:
-        self._session, self._spectator = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)
-        self.id, self.limits, self.profile = vehicle_id, self._spectator.limits, PROFILE
-        self.departure, self.end = self._spectator.departure, session.time
+        self._session, self._vehicle = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)
+        self.id, self.limits, self.profile = vehicle_id, self._vehicle.limits, PROFILE
+        self.departure, self.end = self._vehicle.departure, session.time
         self.arrived, self.stuck = False, ""
         self.judged_in: RoadGraph | None = None
         self._moved, self._longest = session.time, stuck_s
@@ -52,15 +52,15 @@ class WatchedTrip:
     @property
     def figures(self) -> dict[str, float | int | None]:
         """How often SUMO has moved the vehicle out of a jam."""
-        return {"teleports": self._spectator.teleports}
+        return {"teleports": self._vehicle.teleports}
 
     def command(self) -> None:
         """Leave all to SUMO."""
 
     def scene(self) -> Scene | None:
         """Return what there is to judge after a simulation step; None while SUMO has the vehicle off the road."""
-        view, self.end = self._spectator.look(), self._session.time
-        self.arrived = self._spectator.arrived
+        view, self.end = self._vehicle.look(), self._session.time
+        self.arrived = self._vehicle.arrived
         if view is not None and view.own.speed >= STANDING_SPEED:
             self._moved = self.end
         if self.end - self._moved >= self._longest:

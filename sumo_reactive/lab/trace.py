@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pydantic import field_validator
 
-from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.record import StepRecord
@@ -41,7 +41,7 @@ class EncounterKeys(Keys):
 class AssessmentKeys(Keys):
     """What going on would have led to."""
 
-    outcome: Outcome
+    outcome: PlanOutcome
     lateness_s: Number | None
     constraint_m: Number | None
     encounter: EncounterKeys | None

@@ -16,7 +16,7 @@ from sumo_reactive.lab.metric_names import EVERY
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-    from sumo_reactive.lab.comparison.statistics import Interval
+    from sumo_reactive.lab.comparison.statistics import ConfidenceInterval
 
 _DIGITS = 4
 _NUMBER = r"(<strong>)?[+−-]?\d[\d.,e+-]*( … [+−-]?\d[\d.,e+-]*)?(</strong>)?"
@@ -174,7 +174,7 @@ def signed(value: float) -> str:
     return f"+{number(value)}" if value > 0.0 else number(value + 0.0)
 
 
-def limits(interval: Interval | None, *, is_difference: bool = False) -> str:
+def limits(interval: ConfidenceInterval | None, *, is_difference: bool = False) -> str:
     """Return an interval, or that there is none."""
     if interval is None:
         return "none: n = 1"

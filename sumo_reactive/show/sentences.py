@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from sumo_reactive.driver.nouns.assessment import Outcome
+from sumo_reactive.driver.nouns.assessment import PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.event import EventKind
 
@@ -31,10 +31,10 @@ EVENTS: dict[EventKind, str] = {
 }
 """What happened; the causes follow in brackets."""
 
-OUTCOMES: dict[Outcome, str] = {
-    Outcome.FINE: "Going on would meet nobody",
-    Outcome.DEGRADED: "Going on would meet nobody, but be {lateness:.1f} s late",
-    Outcome.FAILURE: "Going on would touch {user} at {time:.1f} s",
+OUTCOMES: dict[PlanOutcome, str] = {
+    PlanOutcome.FINE: "Going on would meet nobody",
+    PlanOutcome.DEGRADED: "Going on would meet nobody, but be {lateness:.1f} s late",
+    PlanOutcome.FAILURE: "Going on would touch {user} at {time:.1f} s",
 }
 
 BEHAVIOURS: dict[Behaviour, str] = {
@@ -120,7 +120,7 @@ REASONS: dict[Reason, Wording] = {
         "calls off the change to lane {region}, since {cause} has closed the gap there",
         "changes to lane {region} although {cause} has closed the gap there",
     ),
-    Reason.HELD_UP: Wording(
+    Reason.QUEUE_CHANGE: Wording(
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",
     ),

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Protocol
 from xml.etree.ElementTree import Element
 
 from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.world.approaches import Approach, approaches_to
 from sumo_reactive.driver.world.junction import Connection, Junction
 from sumo_reactive.driver.world.lane import Lane, nearest_opposite
 from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions
-from sumo_reactive.driver.world.road_graph import Approach, RoadGraph, approaches_to
+from sumo_reactive.driver.world.road_graph import RoadGraph, arcs_of
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id, lane_from, parse
 from sumo_reactive.sumo.net_junctions import junction_from, parts_of
@@ -26,7 +27,7 @@ _ALL = 1 << 31
 
 
 class NetUpstream:
-    """Answers `world.approach.Upstream` from a parsed network."""
+    """Answers `world.approaches.Upstream` from a parsed network."""
 
     def __init__(self, raw: RawNet, lane_of: Callable[[str], Lane]) -> None:
         self._raw, self._lane_of = raw, lane_of
@@ -111,17 +112,17 @@ class NetFile:
         """
         edges = tuple(dict.fromkeys(edge for route in routes for edge in route))
         junctions = {end: self.junction(end) for end in dict.fromkeys(self.end_of(edge) for edge in edges)}
-        connections = [connection for junction in junctions.values() for connection in junction.connections]
+        connections = {connection.id: connection for junction in junctions.values() for connection in junction.connections}
         opposite = {edge: other for edge in edges if (other := self._opposite_of(edge))}
-        regions = self._regions_on(routes, junctions)
-        others = {region.other_id for found in regions.values() for region in found}
+        regions = {region.id: region for region in self._regions_on(routes, junctions)}
+        others = {region.other_id for region in regions.values()}
         approaches = {
             c.id: () if c.is_crossing else self._approaches_of(c.from_lane, edge_id_of(c.to_lane))
-            for c in connections
+            for c in connections.values()
             if c.id in others
         }
-        edge_lanes = self._edge_lanes([*edges, *opposite.values()], connections)
-        inside = [part for connection in connections for part in connection.parts]
+        edge_lanes = self._edge_lanes([*edges, *opposite.values()], connections.values())
+        inside = [part for connection in connections.values() for part in connection.parts]
         upstream = [approach.lane_id for found in approaches.values() for approach in found]
         return RoadGraph(
             lanes={
@@ -130,11 +131,9 @@ class NetFile:
             },
             edge_lanes=edge_lanes,
             junctions=junctions,
-            connections={connection.id: connection for connection in connections},
-            outgoing=_grouped((connection.from_lane, connection) for connection in connections),
-            incoming=_grouped((connection.to_lane, connection) for connection in connections),
-            connection_of={part: connection for connection in connections for part in connection.parts},
+            connections=connections,
             regions=regions,
+            arcs=arcs_of(connections, regions.values()),
             opposite=opposite,
             left_hand=self.left_hand,
             approaches=approaches,
@@ -158,17 +157,16 @@ class NetFile:
 
     def _regions_on(
         self, routes: Iterable[Sequence[str]], junctions: dict[str, Junction]
-    ) -> dict[str, tuple[ConflictRegion, ...]]:
-        """Return the conflict regions of the connections from each route's edge to its next."""
-        regions: dict[str, tuple[ConflictRegion, ...]] = {}
+    ) -> Iterator[ConflictRegion]:
+        """Yield the conflict regions of the connections from each route's edge to its next, in order on each."""
         for edge, onward in dict.fromkeys(pair for route in routes for pair in pairwise(route)):
             junction = junctions[self.end_of(edge)]
             owns = [c for c in junction.connections if (edge_id_of(c.from_lane), edge_id_of(c.to_lane)) == (edge, onward)]
             missing = [own for own in owns if own.id not in self._regions]
             if missing:
                 self._regions.update(conflict_regions(missing, junction))
-            regions.update((own.id, self._regions[own.id]) for own in owns)
-        return regions
+            for own in owns:
+                yield from self._regions[own.id]
 
     @kept(_ALL)
     def _approaches_of(self, from_lane: str, to_edge: str) -> tuple[Approach, ...]:
@@ -183,10 +181,3 @@ class NetFile:
         innermost = [self.lane(self._raw.lane_ids(one)[-1]) for one in (edge_id, *back)]
         found = nearest_opposite(innermost[0], [lane for lane in innermost[1:] if lane.edge_id != edge_id])
         return found.edge_id if found else None
-
-
-def _grouped(items: Iterable[tuple[str, Connection]]) -> dict[str, tuple[Connection, ...]]:
-    groups: dict[str, list[Connection]] = {}
-    for key, connection in items:
-        groups.setdefault(key, []).append(connection)
-    return {key: tuple(group) for key, group in groups.items()}

@@ -24,7 +24,7 @@ def _beside_the_first(graph: RoadGraph, before: str, behind: str) -> list[str]:
     ways = [
         connection.parts
         for lane in graph.edge_lanes.get(before, ())
-        for connection in graph.outgoing.get(lane.id, ())
+        for connection in graph.ways_from(lane.id)
         if connection.parts and graph.lanes[connection.to_lane].edge_id == behind
     ]
     known = {graph.lanes[part].edge_id for part in ways[0]} if ways else set()

@@ -16,10 +16,10 @@ from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.vehicle_type import KEEP_ROUTE_EXACT, angle_of, front_of
 
-CUT_SEEN_S = 2.0
+OFF_TRACKING_SEEN_S = 2.0
 """So long before, at the present speed: who comes from behind needs as much to fall back."""
 
-STRADDLE_M = 0.1
+OCCUPIED_LANE_M = 0.1
 """A body nearer than this to a lane border is taken to reach over it."""
 
 PREFIX = "reactive.ghost."
@@ -85,10 +85,10 @@ def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = 
         lane = lane_in_change(by, s)
         if lane is not None:
             return OccupiedLane(lane, x, y, speed, edges)
-        lane = lane_cut_in_bend(by, s, stop)
+        lane = lane_off_tracked(by, s, stop)
         return None if lane is None else OccupiedLane(lane, x, y, speed, edges, waits=True)
     lane = _beside(graph, own.id, by.plan.aside.lateral)
-    if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - STRADDLE_M:
+    if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - OCCUPIED_LANE_M:
         return None
     if lane.edge_id == own.edge_id:
         mapped = abs(own.spine.project(x, y)[1]) > abs(lane.spine.project(x, y)[1])
@@ -159,23 +159,23 @@ def lane_in_change(by: Occupant, s: float) -> Lane | None:
     if other is None:
         return None
     d = change.side * lane.spine.project(*by.front)[1]
-    if not is_old and s > change.end and 0.5 * width - d < 0.5 * lane.width - STRADDLE_M:
+    if not is_old and s > change.end and 0.5 * width - d < 0.5 * lane.width - OCCUPIED_LANE_M:
         return None
     return other if abs(d) <= abs(other.spine.project(*by.front)[1]) else lane
 
 
-def lane_cut_in_bend(by: Occupant, s: float, stop: float = math.inf) -> Lane | None:
+def lane_off_tracked(by: Occupant, s: float, stop: float = math.inf) -> Lane | None:
     """Return the lane beside the ego's that a long body covers in a bend, now or soon; None: there is none.
 
     The rear cuts to the inside of a bend, the front swings out of it. Who comes there from behind must see it before the
     body is across, but not while the ego means to `stop` before. `s`: arc length of the front axle on C, m.
     """
     graph, front = by.graph, s + by.limits.front_overhang
-    rear, ahead = front - by.limits.length, max(min(front + by.ego.speed * CUT_SEEN_S, stop), front)
-    for cut in off_tracking_of(by.plan, graph, by.limits):
-        if rear < cut.end and cut.start < ahead:
-            beside = lane_at_side(graph, by.here.lane_id, cut.left)
-            return graph.lanes[cut.lane_id] if beside is None and cut.lane_id.startswith(":") else beside
+    rear, ahead = front - by.limits.length, max(min(front + by.ego.speed * OFF_TRACKING_SEEN_S, stop), front)
+    for place in off_tracking_of(by.plan, graph, by.limits):
+        if rear < place.end and place.start < ahead:
+            beside = lane_at_side(graph, by.here.lane_id, place.left)
+            return graph.lanes[place.lane_id] if beside is None and place.lane_id.startswith(":") else beside
     return None
 
 

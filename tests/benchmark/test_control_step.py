@@ -6,7 +6,7 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, Situation, before
 
-from sumo_reactive.driver.controller import Controller, Drive, passages_ahead
+from sumo_reactive.driver.controller import Controller, Drive
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.snapshot import NEAR_M
@@ -14,6 +14,7 @@ from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import Style, decide
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import perceive
 
@@ -72,7 +73,7 @@ def test_perceiving(benchmark, controller, traffic, drive):
 
 def test_deciding(benchmark, controller, traffic, drive):
     snapshot = controller.step(traffic, drive, PERIOD).snapshot
-    ahead = passages_ahead(controller.graph, drive.plan, snapshot.passages)
+    ahead = passages_ahead(controller.graph, drive.plan, CAR, snapshot.passages)
     view = outlook(traffic, snapshot, drive.plan, controller.graph, CAR)
     event = (Event(EventKind.NEW_PLAN),)
     completed, _ = benchmark(decide, view_of(snapshot, drive.plan, CAR, ahead), view, event, drive.memory, Style())
@@ -81,7 +82,7 @@ def test_deciding(benchmark, controller, traffic, drive):
 
 def test_detecting_events(benchmark, controller, traffic, drive):
     step = controller.step(traffic, drive, PERIOD)
-    ahead, after = passages_ahead(controller.graph, drive.plan, step.snapshot.passages), step.drive
+    ahead, after = passages_ahead(controller.graph, drive.plan, CAR, step.snapshot.passages), step.drive
     found = benchmark(detect, step.snapshot, drive.plan, ahead, after.completed, after.memory, False)
     assert not found
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.driver import kernel_folder
-from sumo_reactive.driver.kernel_folder import VARIABLE, is_own, kernel_root, own_folder
+from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, is_own, kernel_root, own_folder
 
 NOBODY = 65534
 CODE = "from sumo_reactive.driver.compilation import CACHE_FOLDER; print(CACHE_FOLDER)"
@@ -22,7 +22,7 @@ def temporary(tmp_path, monkeypatch):
     place.chmod(0o1777)
     monkeypatch.setattr("tempfile.tempdir", str(place))
     monkeypatch.setattr(kernel_folder.atexit, "register", lambda function: None)
-    monkeypatch.setenv(VARIABLE, "")
+    monkeypatch.setenv(FOLDER_VARIABLE, "")
     return place
 
 
@@ -79,13 +79,13 @@ def test_a_file_in_place_of_the_cache_is_not_used(tmp_path, temporary):
 def test_no_folder_is_used_where_even_that_for_temporary_files_is_not_safe(tmp_path, temporary):
     temporary.chmod(0o777)
     assert kernel_root({"XDG_CACHE_HOME": str(open_to(tmp_path / "cache", 0o777))}) is None
-    assert VARIABLE not in os.environ or not os.environ[VARIABLE]
+    assert FOLDER_VARIABLE not in os.environ or not os.environ[FOLDER_VARIABLE]
 
 
 def test_a_private_folder_is_shared_with_the_processes_that_one_starts(tmp_path, temporary):
     unsafe = {"XDG_CACHE_HOME": str(open_to(tmp_path / "cache", 0o777))}
     root = kernel_root(unsafe)
-    shared = {VARIABLE: os.environ[VARIABLE]}
+    shared = {FOLDER_VARIABLE: os.environ[FOLDER_VARIABLE]}
     assert kernel_root(unsafe | shared) == root
     root.chmod(0o770)
     assert kernel_root(unsafe | shared) != root

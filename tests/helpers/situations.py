@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from helpers.cars import BODY, CAR
-from sumo_reactive.driver.controller import Controller, Drive, Profile, Step, passages_ahead
+from sumo_reactive.driver.controller import Controller, Drive, Profile, Step
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.event import Event
@@ -26,6 +26,7 @@ from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
 from sumo_reactive.driver.pilot.passages import crossings
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import perceive
 from sumo_reactive.driver.world.junction import Connection
@@ -134,7 +135,7 @@ class Situation:
     ) -> pilot.Situation:
         """Return what the behaviours look at; `stop`: where the highway code makes the ego stop."""
         snapshot, view = self.seen(*users, lights=lights), self.outlook(*users, sight=sight)
-        ahead = passages_ahead(self.graph, self.plan, snapshot.passages)
+        ahead = passages_ahead(self.graph, self.plan, self.limits, snapshot.passages)
         ways = tuple(crossings(snapshot, self.plan, ahead))
         assessment = assess(snapshot, view.forecast, self.plan, stop, None, self.limits, ())
         x = pilot.next_on_way(snapshot)

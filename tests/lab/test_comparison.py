@@ -17,11 +17,11 @@ from sumo_reactive.lab.comparison.network_effects import Arrival, NetworkEffects
 from sumo_reactive.lab.comparison.record import (
     CSV_FILE,
     JSON_FILE,
+    comparison_rows,
     csv_of,
     data_of,
     notes_of,
     require_usable,
-    rows_of,
     write,
 )
 from sumo_reactive.lab.result import Collision, TrialResult
@@ -85,11 +85,11 @@ def test_a_run_that_got_to_no_end_leaves_its_pair_out_and_is_told_with_the_comma
 
 def test_one_pair_says_that_it_has_no_interval_and_few_pairs_that_theirs_are_narrow():
     one = Comparison((GOOD,), 600.0)
-    assert {row[-1] for row in rows_of(one)} == {"none: n = 1"}
+    assert {row[-1] for row in comparison_rows(one)} == {"none: n = 1"}
     assert notes_of(one) == ["One pair has no interval: give several egos or seeds."]
     two = Comparison((GOOD, pair(side(Driver.SUMO, 40.0), side(Driver.REACTIVE, 41.0), seed=43)), 600.0)
     assert "Fewer than 10 pairs" in "\n".join(notes_of(two))
-    (row,) = (row for row in rows_of(two) if row[0] == "duration (s)")
+    (row,) = (row for row in comparison_rows(two) if row[0] == "duration (s)")
     assert row == ("duration (s)", "2", "35", "37", "+2", "+1 … +3")
 
 

@@ -13,7 +13,7 @@ from sumo_reactive.driver.world.junction import Connection, Control, Junction, T
 from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.right_of_way import RightOfWay
-from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.road_graph import RoadGraph, arcs_of
 from sumo_reactive.lab.metrics.jury import Jury
 
 
@@ -174,10 +174,8 @@ def _crossing(mutual: bool = False) -> RoadGraph:
         edge_lanes={},
         junctions={"j": Junction("j", "priority", square, tuple(connections.values()), rule)},
         connections=connections,
-        outgoing={},
-        incoming={},
-        connection_of={":j_0_0": connections["we"], ":j_1_0": connections["sn"]},
-        regions={"we": (region,)},
+        regions={"r": region},
+        arcs=arcs_of(connections, [region]),
         opposite={},
         left_hand=False,
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import record
 
-from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
@@ -65,8 +65,8 @@ def world(*region_ids):
     """Return a world of square conflict regions and nothing else."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.23456]])
     meeting = ConflictKind.CROSSING, "a", "b", Interval(0.0, 1.0), Interval(0.0, 1.0), square
-    regions = tuple(ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids)
-    return RoadGraph({}, {}, {}, {}, {}, {}, {}, {"a": regions}, {}, False)
+    regions = {name: ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids}
+    return RoadGraph({}, {}, {}, {}, regions, (), {}, False)
 
 
 def test_the_rows_tell_how_many_steps_needed_no_pilot():
@@ -178,7 +178,7 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
         instruction="stop at the place named",
         emergency=True,
         events=(Event(EventKind.NEW_OBSTACLE, "veh_12"), Event(EventKind.STANDSTILL)),
-        assessment=Assessment(Outcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
+        assessment=Assessment(PlanOutcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
         decisions=(Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "r", "veh_12", False, (("arrival_s", math.inf),)),),
         regions=(RegionState("r", Occupancy.OCCUPIED, "veh_12"),),
     )
@@ -187,6 +187,15 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
     assert entry_of(json.loads(line)) == entry
     path = tmp_path / "decisions.jsonl"
     path.write_text(line + "\n", encoding="utf-8")
+    assert read_entries(path) == (entry,)
+
+
+def test_a_record_in_which_a_turn_in_several_moves_was_a_crossing_is_read_still(tmp_path):
+    turn = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause="3 moves", passes=True)
+    (entry,) = entries([record(1.5, behaviour="crossing an intersection", instruction="follow C", decisions=(turn,))])
+    path = tmp_path / "decisions.jsonl"
+    path.write_text(json.dumps(line_of(entry)) + "\n", encoding="utf-8")
+    assert '"behaviour": "crossing an intersection", "reason": "the road is too narrow' in path.read_text(encoding="utf-8")
     assert read_entries(path) == (entry,)
 
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment, Encounter, Outcome
+from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.errors import ScenarioError
@@ -40,7 +40,7 @@ def told(decision, instruction=Instruction.STOP):
     ("table", "choices"),
     [
         (EVENTS, EventKind),
-        (OUTCOMES, Outcome),
+        (OUTCOMES, PlanOutcome),
         (BEHAVIOURS, Behaviour),
         (INSTRUCTIONS, Instruction),
         (REASONS, Reason),
@@ -63,7 +63,7 @@ def test_going_on_into_a_touch_leads_to_a_stop_before_the_region():
     new = entry(
         41.3,
         events=(Event(EventKind.NEW_OBSTACLE, "veh_12"), Event(EventKind.NEW_OBSTACLE, "veh_13")),
-        assessment=Assessment(Outcome.FAILURE, 0.0, 90.0, Encounter("veh_12", 44.1, 60.0, 0.0, 0.0)),
+        assessment=Assessment(PlanOutcome.FAILURE, 0.0, 90.0, Encounter("veh_12", 44.1, 60.0, 0.0, 0.0)),
         instruction=Instruction.STOP,
         decisions=(meeting(False, (2.5, 4.2), (2.9, 3.8)),),
     )

@@ -84,7 +84,7 @@ def over_the_lane_beside(net):
     """The places of an ego that swings over lane wc_0 on its way from wc_1 into the junction, and the lane inside."""
     graph = read_net(net).build(("wc", "cn"))
     beside, own = graph.lanes["wc_0"].spine, graph.lanes["wc_1"]
-    (turn,) = (c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cn"))
+    (turn,) = (c for c in graph.ways_from("wc_1") if c.to_lane.startswith("cn"))
     inside = graph.lanes[turn.parts[0]]
     way = [(*beside.at(beside.length + s), own) for s in (-1.5, -1.0, -0.5, 0.0)]
     return [*way, *((*inside.spine.at(s), inside) for s in (0.5, 1.0))], inside

@@ -68,7 +68,7 @@ def test_crossings_are_connections_and_ways_onto_walking_areas_are_not(tmp_path)
 
 def test_a_crossing_on_the_way_is_a_conflict_region_without_vehicle_approaches(tmp_path):
     graph = crossroads(tmp_path, "priority", 1, *PEDESTRIANS).build(["wc", "ce"])
-    others = {region.other_id for found in graph.regions.values() for region in found}
+    others = {region.other_id for region in graph.regions.values()}
     crossed = [other for other in others if graph.connections[other].is_crossing]
     assert crossed
     assert all(graph.approaches[other] == () for other in crossed)
@@ -90,7 +90,7 @@ def test_sumo_lists_the_same_links(tmp_path):
 
 def test_two_straight_lanes_that_cross_at_right_angles_share_a_stretch_as_long_as_a_body_is_wide(tmp_path):
     graph = crossroads(tmp_path).build(["wc", "ce"])
-    region = next(r for r in graph.regions["wc_0->ce_0"] if r.other_id == "nc_0->cs_0")
+    region = next(r for r in graph.regions_on(graph.connections["wc_0->ce_0"]) if r.other_id == "nc_0->cs_0")
     own = graph.connections[region.own_id]
     # the side road's lane towards the south runs at x = -1.6
     middle = -1.6 - own.path.points[0, 0]
@@ -112,7 +112,7 @@ def test_a_minor_road_yields_to_the_priority_road(tmp_path):
 def test_a_left_turn_waits_for_oncoming_traffic_before_it_crosses_its_way(tmp_path):
     graph = crossroads(tmp_path).build(["wc", "cn"])
     left = graph.connections["wc_0->cn_0"]
-    oncoming = next(r for r in graph.regions[left.id] if r.other_id == "ec_0->cw_0")
+    oncoming = next(r for r in graph.regions_on(left) if r.other_id == "ec_0->cw_0")
     assert left.turn is Turn.LEFT
     assert len(left.parts) == 2
     assert left.wait_at is not None
@@ -122,7 +122,7 @@ def test_a_left_turn_waits_for_oncoming_traffic_before_it_crosses_its_way(tmp_pa
 
 def test_in_left_hand_traffic_it_is_the_right_turn_that_waits_and_lane_0_lies_left(tmp_path):
     graph = crossroads(tmp_path, "priority", 2, "--lefthand").build(["wc", "cs"])
-    right = next(c for c in graph.outgoing["wc_1"] if c.to_lane.startswith("cs"))
+    right = next(c for c in graph.ways_from("wc_1") if c.to_lane.startswith("cs"))
     assert graph.left_hand
     assert right.turn is Turn.RIGHT
     assert right.wait_at is not None
@@ -150,7 +150,7 @@ def test_lights_name_their_signal_and_index(tmp_path):
 
 def test_lanes_that_merge_and_diverge_are_regions_of_their_kind(tmp_path):
     graph = crossroads(tmp_path).build(["wc", "ce"])
-    kinds = {region.other_id: region.kind for region in graph.regions["wc_0->ce_0"]}
+    kinds = {region.other_id: region.kind for region in graph.regions_on(graph.connections["wc_0->ce_0"])}
     assert kinds["wc_0->cn_0"] is ConflictKind.DIVERGING
     assert kinds["sc_0->ce_0"] is ConflictKind.MERGING
     assert kinds["nc_0->cs_0"] is ConflictKind.CROSSING
@@ -158,23 +158,21 @@ def test_lanes_that_merge_and_diverge_are_regions_of_their_kind(tmp_path):
 
 def test_straight_lanes_side_by_side_do_not_conflict(tmp_path):
     graph = crossroads(tmp_path, "priority", 2).build(["wc", "ce"])
-    assert all(region.other_id != "wc_1->ce_1" for region in graph.regions["wc_0->ce_0"])
+    assert all(region.other_id != "wc_1->ce_1" for region in graph.regions_on(graph.connections["wc_0->ce_0"]))
 
 
 def test_every_shared_region_knows_the_lanes_that_lead_to_it(tmp_path):
     graph = crossroads(tmp_path, "priority", 2).build(["wc", "ce"])
-    for regions in graph.regions.values():
-        for region in regions:
-            nearest = graph.approaches[region.other_id][0]
-            other = graph.connections[region.other_id]
-            assert nearest.lane_id == other.from_lane
-            assert nearest.distance == pytest.approx(graph.lanes[other.from_lane].spine.length)
-            assert nearest.edges[-1] == other.to_lane.rpartition("_")[0]
+    for region in graph.regions.values():
+        nearest = graph.approaches[region.other_id][0]
+        other = graph.connections[region.other_id]
+        assert nearest.lane_id == other.from_lane
+        assert nearest.distance == pytest.approx(graph.lanes[other.from_lane].spine.length)
+        assert nearest.edges[-1] == other.to_lane.rpartition("_")[0]
 
 
 def test_every_arc_joins_known_nodes(tmp_path):
     graph = crossroads(tmp_path, "priority", 2).build(["wc", "ce"])
-    regions = [region for found in graph.regions.values() for region in found]
-    nodes = {*graph.lanes, *graph.connections, *(r.id for r in regions), *(r.post.id for r in regions)}
-    for arc in graph.arcs():
+    nodes = {*graph.lanes, *graph.regions, *(region.post.id for region in graph.regions.values())}
+    for arc in graph.arcs:
         assert {arc.source, arc.target} <= nodes

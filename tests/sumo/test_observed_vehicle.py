@@ -22,9 +22,9 @@ def test_the_vehicle_and_those_within_reach_are_seen_where_sumo_has_them(net, tm
     cars = "".join(vehicle(name, way, type="t", departPos=at, departSpeed=5) for name, way, at in places)
     with running(net, tmp_path, TYPE + cars):
         simulated()
-        spectator = ObservedVehicle("ego", 110.0)
+        observed = ObservedVehicle("ego", 110.0)
         simulated()
-        view = spectator.look()
+        view = observed.look()
         assert view is not None and [one.id for one in view.others] == ["near"]
         for one in (view.own, *view.others):
             assert (one.x, one.y) == libsumo.vehicle.getPosition(one.id)
@@ -41,10 +41,10 @@ def test_a_trip_is_seen_to_its_end_with_the_way_that_is_left_and_the_line_that_i
     with running(net, tmp_path, TYPE + vehicle("ego", "wc ce", type="t", departPos=100, departSpeed=10)):
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
         simulated()
-        spectator, ways, crossed = ObservedVehicle("ego", 80.0), [], []
+        observed, ways, crossed = ObservedVehicle("ego", 80.0), [], []
         for _ in range(600):
             simulated()
-            view = spectator.look()
+            view = observed.look()
             if view is None:
                 break
             place = view.own.lane_id[:2]
@@ -52,8 +52,8 @@ def test_a_trip_is_seen_to_its_end_with_the_way_that_is_left_and_the_line_that_i
             crossed += [view.crossed] if view.crossed else []
         assert ways == [("wc", ("wc", "ce")), (":c", ("ce",)), ("ce", ("ce",))]
         assert crossed == ["GG"]
-        assert spectator.arrived and spectator.teleports == 0
-        assert spectator.look() is None
+        assert observed.arrived and observed.teleports == 0
+        assert observed.look() is None
 
 
 WALKS = ("--sidewalks.guess", "--sidewalks.guess.max-speed", "15", "--crossings.guess")
@@ -68,10 +68,10 @@ def test_who_walks_over_a_crossing_near_is_seen_there_and_nowhere_else(tmp_path,
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
         simulated()
         libsumo.vehicle.setSpeed("ego", 0.0)
-        spectator, lanes = ObservedVehicle("ego", reach), set()
+        observed, lanes = ObservedVehicle("ego", reach), set()
         for _ in range(150):
             simulated()
-            view = spectator.look()
+            view = observed.look()
             assert view is not None
             for one in view.others:
                 assert (one.id, one.body.is_person) == ("p", True)
@@ -97,9 +97,9 @@ def test_who_is_on_a_bridge_above_is_not_near(tmp_path):
     with running(net, tmp_path, slow + cars):
         simulated(5)
         assert len(libsumo.vehicle.getIDList()) == 5
-        spectator, bystanders = ObservedVehicle("ego", 70.0), Bystanders("behind")
+        observed, bystanders = ObservedVehicle("ego", 70.0), Bystanders("behind")
         simulated()
-        view = spectator.look()
+        view = observed.look()
         assert view is not None
         assert {one.id for one in view.others} == {"behind", "reactive.ghost.x"}
         assert {one.id for one in bystanders.look()} == {"ego"}

@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.sumo import stand_ins
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.stand_ins import CUT_SEEN_S, OccupiedLane
+from sumo_reactive.sumo.stand_ins import OFF_TRACKING_SEEN_S, OccupiedLane
 
 CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
 LANE = '<lane id="{0}" index="{1}" speed="9" length="{2}" shape="{3},{4} {5},{4}"/>'
@@ -172,7 +172,7 @@ LEFT_CUT, INSIDE = OffTracking(50.0, 60.0, True, "ab_1"), OffTracking(50.0, 60.0
 def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
     monkeypatch, road, cut, lane_id, front, speed, stop, lane
 ):
-    assert CUT_SEEN_S == 2.0
+    assert OFF_TRACKING_SEEN_S == 2.0
     plan, s = planned(), front - CAR.front_overhang
     asked = []
     ways = (OffTracking(0.0, 1.0, False, "ab_1"), cut)

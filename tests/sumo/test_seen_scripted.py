@@ -1,4 +1,4 @@
-"""What sensor and spectator make of SUMO's answers, value by value, and how often they ask; the answers are scripted."""
+"""What sensor and observed vehicle make of SUMO's answers, value by value, and how often they ask; answers are scripted."""
 
 import math
 from types import SimpleNamespace
@@ -204,10 +204,10 @@ def body(length, width):
     return (length, width, pytest.approx(math.nan, nan_ok=True), pytest.approx(math.nan, nan_ok=True))
 
 
-def test_a_spectator_sees_all_that_is_subscribed_on_its_level(monkeypatch):
+def test_an_observed_vehicle_sees_all_that_is_subscribed_on_its_level(monkeypatch):
     seen = {"ego": values(z=5.0), "x": values(3.0, 4.0, 5.0 + SAME_LEVEL_M - 0.1, ":j_0_0", 90.0)}
     watched(monkeypatch, seen | {"up": values(z=5.0 + SAME_LEVEL_M), "down": values(z=5.0 - SAME_LEVEL_M)})
-    spectator = ObservedVehicle("ego", 70.0)
+    observed = ObservedVehicle("ego", 70.0)
     wanted = [
         tc.VAR_POSITION3D,
         tc.VAR_ANGLE,
@@ -218,22 +218,22 @@ def test_a_spectator_sees_all_that_is_subscribed_on_its_level(monkeypatch):
         tc.VAR_WIDTH,
     ]
     assert libsumo.vehicle.told == [("subscribeContext", "ego", tc.CMD_GET_VEHICLE_VARIABLE, 70.0, wanted)]
-    view = spectator.look()
+    view = observed.look()
     (other,) = view.others
     assert other == RoadUser("x", 3.0, 4.0, EAST, 4.0, ":j_0_0", 30.0, other.body, ("b", "c"))
     assert other.body == (*body(5.0, 1.75), False)
     assert (view.own.id, view.own.route, view.own.heading) == ("ego", ("a", "b", "c"), NORTH)
-    assert (spectator.departure, spectator.limits.length) == (2.0, 5.0)
+    assert (observed.departure, observed.limits.length) == (2.0, 5.0)
 
 
 def test_a_way_is_asked_for_once_on_each_edge(monkeypatch):
     seen = {"ego": values(), "x": values()}
     asked = watched(monkeypatch, seen)
-    spectator, counts = ObservedVehicle("ego", 70.0), []
+    observed, counts = ObservedVehicle("ego", 70.0), []
     for lane in ("a_0", "a_1", "b_0", ":j_0_0"):
         seen["x"] = values(lane=lane)
         asked.clear()
-        spectator.look()
+        observed.look()
         counts.append(asked.count("x"))
     assert counts == [1, 0, 1, 1]
 
@@ -241,12 +241,12 @@ def test_a_way_is_asked_for_once_on_each_edge(monkeypatch):
 def test_off_the_road_there_is_nothing_to_see_and_teleports_and_the_arrival_are_counted(monkeypatch):
     seen, ended, teleporting = {"ego": values()}, [], ["other"]
     watched(monkeypatch, seen, None, ended, teleporting)
-    spectator, told = ObservedVehicle("ego", 70.0), []
+    observed, told = ObservedVehicle("ego", 70.0), []
     for step in range(5):
         teleporting[:] = ["other", "ego"] if step in (1, 2) else ["other"]
         ended[:] = ["ego"] if step == 3 else ["other"]
         libsumo.vehicle.answers["getContextSubscriptionResults"] = {"ego": {} if step == 1 else seen}
-        told.append((spectator.look() is not None, spectator.teleports, spectator.arrived))
+        told.append((observed.look() is not None, observed.teleports, observed.arrived))
     assert told == [(True, 0, False), (False, 1, False), (True, 2, False), (False, 2, True), (False, 2, True)]
 
 

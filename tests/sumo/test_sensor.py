@@ -59,7 +59,7 @@ def test_a_vehicle_is_seen_where_it_is_with_its_body_and_the_way_it_goes(net, tm
 
 def test_inside_the_junction_the_way_begins_with_the_next_road(net, tmp_path):
     graph = read_net(net).build(("nc", "cs"))
-    inside = [part for way in graph.outgoing["nc_1"] if way.to_lane == "cs_1" for part in way.parts]
+    inside = [part for way in graph.ways_from("nc_1") if way.to_lane == "cs_1" for part in way.parts]
     lanes = [seen_lane(graph, name) for name in (*inside, "cs_1")]
     with running(net, tmp_path, TYPE + vehicle("a", "nc cs", type="t", departPos=120, departSpeed=9)):
         sensor, routes = Sensor(), {}

@@ -21,14 +21,14 @@ def test_where_two_lanes_fork_to_both_sides_one_way_of_each_pair_is_overlooked(t
     rules = tmp_path / "fork.con.xml"
     rules.write_text(f"<connections>{links}</connections>")
     graph = read_net(converted(tmp_path, NODES, EDGES, "-x", str(rules))).build(("ab", "bc"))
-    to_c = {part for lane in ("ab_0", "ab_1") for c in graph.outgoing[lane] if c.to_lane[:2] == "bc" for part in c.parts}
+    to_c = {part for lane in ("ab_0", "ab_1") for c in graph.ways_from(lane) if c.to_lane[:2] == "bc" for part in c.parts}
     assert len(unmapped_lanes(graph, ("ab", "bc"))) == 1
     assert unmapped_lanes(graph, ("ab", "bc")) < to_c
 
 
 def test_on_edges_that_one_way_joins_or_none_nothing_is_overlooked(tmp_path):
     graph = read_net(converted(tmp_path, NODES, EDGES)).build(("ab", "bc"))
-    joined = [c for lane in graph.edge_lanes["ab"] for c in graph.outgoing[lane.id] if c.to_lane.startswith("bc")]
+    joined = [c for lane in graph.edge_lanes["ab"] for c in graph.ways_from(lane.id) if c.to_lane.startswith("bc")]
     assert joined
     for edges in (("bc", "bd"), ("ab", "nowhere"), ("ab",)):
         assert unmapped_lanes(graph, edges) == frozenset()

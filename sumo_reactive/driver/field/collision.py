@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
-
-Array = NDArray[np.float64]
 
 
 @kernel
-def moved(box: Array, t: float, turn_rate: float) -> tuple[float, float, float]:
+def foreseen_pose(box: Floats, t: float, turn_rate: float) -> tuple[float, float, float]:
     """Return centre (m) and heading (rad) of a box (7) that has kept its speed and a turn rate (rad/s) for `t` s."""
     back = 0.5 * box[4]
     x, y = box[0] - back * math.cos(box[2]), box[1] - back * math.sin(box[2])
@@ -26,7 +25,7 @@ def moved(box: Array, t: float, turn_rate: float) -> tuple[float, float, float]:
 
 @kernel
 def within_reach(
-    x: float, y: float, heading: float, speed: float, middle: float, radius: float, boxes: Array, horizon: float
+    x: float, y: float, heading: float, speed: float, middle: float, radius: float, boxes: Floats, horizon: float
 ) -> NDArray[np.int64]:
     """Return which of `boxes` (n, 8) are ahead of the ego's middle and could be touched within `horizon` s.
 
@@ -49,7 +48,7 @@ def within_reach(
 @kernel
 def braking_collides(
     x: float, y: float, heading: float, speed: float, steering_angle: float, wheelbase: float, axle_to_front: float,
-    length: float, width: float, deceleration: float, boxes: Array, start: float, horizon: float, step: float,
+    length: float, width: float, deceleration: float, boxes: Floats, start: float, horizon: float, step: float,
 ) -> bool:  # fmt: skip
     """Whether the ego, braking along its arc from `start` s ahead, touches a predicted footprint within `horizon` s.
 
@@ -70,7 +69,7 @@ def braking_collides(
                 continue
             touched = True
             for turn_rate in (boxes[k, 6], 0.0):
-                bx, by, bh = moved(boxes[k], t, turn_rate)
+                bx, by, bh = foreseen_pose(boxes[k], t, turn_rate)
                 touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5])
             if touched:
                 return True

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 PAPER_LATERAL_STEP = 1.1
@@ -15,7 +15,6 @@ PAPER_LATERAL_STEP = 1.1
 PAPER_STEERING_SPEED = 4.0
 """m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
 
-Array = NDArray[np.float64]
 
 _STEERING_LEVELS = np.array([-1.0, -0.3, -0.06, 0.0, 0.06, 0.3, 1.0])
 """Cubically spaced levels: fine about a held wheel, where high speed needs it, full at the ends."""
@@ -34,8 +33,8 @@ class CommandGrid(NamedTuple):
     It is searched `rounds` times more, each time by a finer lattice around the best command so far.
     """
 
-    accelerations: Array
-    steering_rates: Array
+    accelerations: Floats
+    steering_rates: Floats
     rounds: int = 0
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake, lattice, paper_grid, wide_grid
@@ -61,8 +60,6 @@ BEND_ENTRY_S = 0.5
 
 BEND_ROOM_M = 0.7
 """…by more than this: a car of 1.8 m in the middle of a lane of 3.2 m leaves it."""
-
-Array = NDArray[np.float64]
 
 HARDER_BY = 1e-3
 """m/s²; rounding."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
@@ -16,6 +15,7 @@ from sumo_reactive.driver.field.valley import least_to_static, valley_potential
 from sumo_reactive.driver.field.valley_map import map_potential
 from sumo_reactive.driver.field.velocity import velocity_potential
 from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 
@@ -28,7 +28,6 @@ MIN_LOOK_AHEAD_M = 0.6
 COLLISION_STEP_S = 0.1
 """Time between tested footprints."""
 
-Array = NDArray[np.float64]
 
 ADMISSIBLE, EMERGENCY, NO_COMMAND = 0, 1, 2
 
@@ -59,7 +58,7 @@ footprints are tested (s)."""
 
 
 @kept(1)
-def driver_of(parameters: Parameters) -> Array:
+def driver_of(parameters: Parameters) -> Floats:
     """Return what the kernels read of the driver's parameters, (7,): an array is the cheapest to hand over."""
     p = parameters
     read = (
@@ -70,7 +69,7 @@ def driver_of(parameters: Parameters) -> Array:
 
 
 @kernel
-def look_ahead(speed: float, driver: Array) -> float:
+def look_ahead(speed: float, driver: Floats) -> float:
     """Return the way (m) after which F is looked at, at `speed` (m/s)."""
     return float(max(speed * (driver[AHEAD_S] + driver[AHEAD_GROWTH] * speed), MIN_LOOK_AHEAD_M))
 
@@ -78,7 +77,7 @@ def look_ahead(speed: float, driver: Array) -> float:
 @kernel
 def leads_to(
     x: float, y: float, heading: float, speed: float, angle: float, wheelbase: float, period: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, driver: Array,
+    cx: Floats, cy: Floats, ch: Floats, step: float, s: float, driver: Floats,
 ) -> float:  # fmt: skip
     """Return how far to the left of C (m) F will be a look-ahead after a pose if its velocity keeps the angle to C that it
     has in the middle of the period: zero for a car that follows C, whatever the curvature."""
@@ -106,8 +105,8 @@ def ramped(
 
 @kernel
 def mapped_valley(
-    x: float, y: float, heading: float, speed: float, angle: float, turn: float, limits: Array, period: float,
-    bitmaps: Array, x0: float, y0: float, cell: float,
+    x: float, y: float, heading: float, speed: float, angle: float, turn: float, limits: Floats, period: float,
+    bitmaps: Floats, x0: float, y0: float, cell: float,
 ) -> float:  # fmt: skip
     """U₁ of a pose on the `bitmaps` of F and R: the least that MAP_STEERINGS further periods at `speed` can reach.
 
@@ -133,7 +132,7 @@ def mapped_valley(
 
 @kernel
 def expand(
-    state: Array, accelerations: Array, rates: Array, limits: Array, period: float, room: float, out: Array
+    state: Floats, accelerations: Floats, rates: Floats, limits: Floats, period: float, room: float, out: Floats
 ) -> None:
     """Fill `out` (a·w, 4) with speed, angle, kinematically allowed, stops in time.
 
@@ -154,9 +153,9 @@ def expand(
 
 @kernel
 def valley_of_command(
-    state: Array, pose: tuple[float, float, float], speed: float, angle: float, turn: float, limits: Array, period: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, sides: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, driver: Array,
+    state: Floats, pose: tuple[float, float, float], speed: float, angle: float, turn: float, limits: Floats, period: float,
+    cx: Floats, cy: Floats, ch: Floats, step: float, s: float, sides: Floats,
+    bitmaps: Floats, x0: float, y0: float, cell: float, driver: Floats,
 ) -> tuple[float, float]:  # fmt: skip
     """Return U₁ of the command that leads from `state` (5) to `pose`, `speed` (m/s) and steering `angle` (rad) within the
     period, and how far to the left of C (m) it leads, which the bitmaps do not tell.
@@ -174,9 +173,9 @@ def valley_of_command(
 
 @kernel
 def best_of(
-    car: Array, accelerations: Array, rates: Array, fine: bool, turn: float, period: float, room: float, wanted: float,
-    lowest: float, cx: Array, cy: Array, ch: Array, step: float, s: float, sides: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, corners: Array, shadows: Array, driver: Array,
+    car: Floats, accelerations: Floats, rates: Floats, fine: bool, turn: float, period: float, room: float, wanted: float,
+    lowest: float, cx: Floats, cy: Floats, ch: Floats, step: float, s: float, sides: Floats,
+    bitmaps: Floats, x0: float, y0: float, cell: float, boxes: Floats, corners: Floats, shadows: Floats, driver: Floats,
 ) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
     steering angle where it leads.
@@ -260,10 +259,10 @@ def best_of(
 
 @kernel
 def choose_command(
-    car: Array, accelerations: Array, rates: Array, rounds: int, period: float, room: float, wanted: float, lowest: float,
-    cx: Array, cy: Array, ch: Array, step: float, s: float, static: Array,
-    bitmaps: Array, x0: float, y0: float, cell: float, boxes: Array, left: float, right: float,
-    driver: Array,
+    car: Floats, accelerations: Floats, rates: Floats, rounds: int, period: float, room: float, wanted: float, lowest: float,
+    cx: Floats, cy: Floats, ch: Floats, step: float, s: float, static: Floats,
+    bitmaps: Floats, x0: float, y0: float, cell: float, boxes: Floats, left: float, right: float,
+    driver: Floats,
 ) -> tuple[float, float, int, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return acceleration, steering rate, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃ of the chosen command, and x, y,
     heading, speed, steering angle where it leads.
@@ -309,7 +308,7 @@ def choose_command(
 
 
 @kernel
-def around(axis: Array, i: int) -> Array:
+def around(axis: Floats, i: int) -> Floats:
     """Return five nodes around node `i` of a rising `axis`, its gaps to the neighbours divided by three."""
     down = (axis[i] - axis[i - 1]) / 3.0 if i > 0 else 0.0
     up = (axis[i + 1] - axis[i]) / 3.0 if i + 1 < len(axis) else 0.0

@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-from sumo_reactive.driver.geometry.polyline import wrapped
+from sumo_reactive.driver.geometry.polyline import Floats, wrapped
 from sumo_reactive.driver.nouns.snapshot import NEAR_M
-
-Array = NDArray[np.float64]
 
 BEHIND_M = 10.0
 """Bodies so far behind the ego's rear may still come up beside it."""
@@ -51,7 +48,7 @@ SIDE_S = 2.0
 
 
 @kernel
-def _nearest(x: float, y: float, cx: Array, cy: Array, low: int, high: int, step: float, radius: float) -> int:
+def _nearest(x: float, y: float, cx: Floats, cy: Floats, low: int, high: int, step: float, radius: float) -> int:
     """Return the sample of C from `low` to `high` nearest to a point, leaping where it is farther than `radius` m; −1: none
     is nearer than that."""
     found, least, i = -1, radius, low
@@ -66,7 +63,7 @@ def _nearest(x: float, y: float, cx: Array, cy: Array, low: int, high: int, step
 
 
 @kernel
-def _extent(box: Array, angle: float, along: float, left: float, bend: float) -> tuple[float, float]:
+def _extent(box: Floats, angle: float, along: float, left: float, bend: float) -> tuple[float, float]:
     """Return how far (m, left positive) a box beside C reaches to the right and to the left.
 
     Its centre is `left` m beside and `along` m ahead of a sample of C, where C bends by `bend` (1/m); the box is turned by
@@ -84,9 +81,9 @@ def _extent(box: Array, angle: float, along: float, left: float, bend: float) ->
 
 @kernel
 def foreseen_shadows(
-    boxes: Array, speed: float, half: float, ahead: float, behind: float, cx: Array, cy: Array, ch: Array, step: float,
-    s: float, room: Array, scale: float, clearance: float,
-) -> Array:  # fmt: skip
+    boxes: Floats, speed: float, half: float, ahead: float, behind: float, cx: Floats, cy: Floats, ch: Floats, step: float,
+    s: float, room: Floats, scale: float, clearance: float,
+) -> Floats:  # fmt: skip
     """Return (n, 3): side (+1 left, −1 right), clearance on C (m) and weight of each body that the ego passes.
 
     R_D follows the foreseen motion: M drives along C, D keeps its speed along C and what it moves aside, so that who keeps
@@ -139,7 +136,7 @@ def foreseen_shadows(
 
 
 @kernel
-def foreseen_potential(shadows: Array, d: float, room: Array, clearance: float) -> float:
+def foreseen_potential(shadows: Floats, d: float, room: Floats, clearance: float) -> float:
     """U₂ = Σ_D U_D of an ego `d` m to the left of C, by the share of R_D, widened by the `clearance`
     (m), in which D is.
 

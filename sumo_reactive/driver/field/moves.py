@@ -17,7 +17,7 @@ MOVE_SIGHT_M = 0.8
 LEAST_SPEED = 0.1
 """m/s; how fast a move comes to its end."""
 
-BESIDE_M = 0.15
+SIDE_CLEARANCE_M = 0.15
 """Others keep this far from the ego's sides."""
 
 STEP_M = 0.2
@@ -84,4 +84,4 @@ def _touched(pose: Pose, box: _Box, limits: VehicleLimits) -> bool:
     """Whether the ego at `pose` (of its rear axle) comes too near to a box."""
     middle = limits.front_to_rear_axle - 0.5 * limits.length
     x, y = pose.x + middle * math.cos(pose.heading), pose.y + middle * math.sin(pose.heading)
-    return boxes_overlap(x, y, pose.heading, limits.length, limits.width + 2.0 * BESIDE_M, *box)
+    return boxes_overlap(x, y, pose.heading, limits.length, limits.width + 2.0 * SIDE_CLEARANCE_M, *box)

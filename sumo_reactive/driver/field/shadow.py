@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-
-Array = NDArray[np.float64]
+from sumo_reactive.driver.geometry.polyline import Floats
 
 TOUCH_M = 0.05
 """δ is not taken below this, so that U₂ stays finite at contact."""
 
 
 @kernel
-def _corners(x: float, y: float, heading: float, ahead: float, behind: float, width: float, out: Array) -> None:
+def _corners(x: float, y: float, heading: float, ahead: float, behind: float, width: float, out: Floats) -> None:
     c, s = math.cos(heading), math.sin(heading)
     h = 0.5 * width
     out[0, 0], out[0, 1] = x + ahead * c - h * s, y + ahead * s + h * c
@@ -26,7 +24,7 @@ def _corners(x: float, y: float, heading: float, ahead: float, behind: float, wi
 
 
 @kernel
-def _reach(px: float, py: float, ux: float, uy: float, box: Array) -> float:
+def _reach(px: float, py: float, ux: float, uy: float, box: Floats) -> float:
     """Smallest t ≥ 0 with p + t·u on the boundary of `box` (4, 2), u of unit length; infinite when missed."""
     nearest = np.inf
     for i in range(4):
@@ -44,7 +42,7 @@ def _reach(px: float, py: float, ux: float, uy: float, box: Array) -> float:
 
 
 @kernel
-def shadow_distance(own: Array, other: Array, ux: float, uy: float) -> float:
+def shadow_distance(own: Floats, other: Floats, ux: float, uy: float) -> float:
     """δ: how far body `own` (4, 2) can move along unit vector u before it touches `other`; infinite when it never does.
 
     Exact for convex bodies: the first contact is between a corner of one and an edge of the other, so the rays from
@@ -67,7 +65,7 @@ def shadow_distance(own: Array, other: Array, ux: float, uy: float) -> float:
 
 
 @kernel
-def shadow_potential(own: Array, own_vx: float, own_vy: float, other: Array, vx: float, vy: float, scale: float) -> float:
+def shadow_potential(own: Floats, own_vx: float, own_vy: float, other: Floats, vx: float, vy: float, scale: float) -> float:
     """U_D = k₀ ‖v − v_D‖ / δ when D meets the shadow R_D of the ego, else 0: k₀ over the time to collision.
 
     (F&L 1991, §3.3.2.) Bodies are corner arrays (4, 2) in m, velocities in m/s, `scale` k₀ in s.
@@ -83,7 +81,7 @@ def shadow_potential(own: Array, own_vx: float, own_vy: float, other: Array, vx:
 
 
 @kernel
-def corners_of(boxes: Array) -> Array:
+def corners_of(boxes: Floats) -> Floats:
     """Return (n, 6, 2): four corners, velocity, centre of `boxes` (n, 6: front x, y, heading, speed, length, width)."""
     corners = np.empty((len(boxes), 6, 2))
     for k in range(len(boxes)):
@@ -98,7 +96,7 @@ def corners_of(boxes: Array) -> Array:
 @kernel
 def shadow_sum(
     x: float, y: float, heading: float, speed: float, axle_to_front: float, axle_to_rear: float, width: float,
-    boxes: Array, corners: Array, scale: float, horizon: float,
+    boxes: Floats, corners: Floats, scale: float, horizon: float,
 ) -> float:  # fmt: skip
     """U₂ = Σ_D U_D over `boxes` (n, 6), with their `corners` (n, 6, 2), within `horizon` m of the rear axle."""
     own = np.empty((4, 2))

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
-
-Array = NDArray[np.float64]
+from sumo_reactive.driver.geometry.polyline import Floats
 
 LEAST_ROOM_M = 0.2
 """d₁ to O_S is not taken below this: nearer, U₁ is steep enough."""
@@ -17,7 +15,7 @@ LEAST_ROOM_M = 0.2
 
 @kernel
 def least_to_static(
-    static: Array, cx: Array, cy: Array, ch: Array, step: float, s: float, half: float, ahead: float, behind: float
+    static: Floats, cx: Floats, cy: Floats, ch: Floats, step: float, s: float, half: float, ahead: float, behind: float
 ) -> tuple[float, float]:
     """Return min over o of d₁ from the body to the points of O_S left and right of C, m; infinite where there is none.
 

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.parameters import Parameters
 
 MAP_SIDE_M = 100.0
@@ -18,7 +18,6 @@ MAP_SIDE_M = 100.0
 MAP_MARGIN_M = 20.0
 """A new bitmap is drawn when the ego comes this near to the rim."""
 
-Array = NDArray[np.float64]
 
 CELLS = 500
 """Cells along each side of a bitmap (F&L 1991, §4)."""
@@ -34,7 +33,7 @@ class ValleyMap:
     Cell (0, 0) is centred on (`x0`, `y0`) m; `cell` is the resolution l/500, m. Control points: F, R.
     """
 
-    bitmaps: Array
+    bitmaps: Floats
     x0: float
     y0: float
     cell: float
@@ -50,7 +49,7 @@ NO_MAP = ValleyMap(np.empty((0, 1, 1)), 0.0, 0.0, 1.0)
 
 
 @kernel
-def taxicab_transform(start: Array, cell: float) -> Array:
+def taxicab_transform(start: Floats, cell: float) -> Floats:
     """Least of each cell's `start` (m) and any other's plus the way there in |Δx| + |Δy|, m: two exact raster sweeps."""
     rows, columns = start.shape
     distance = start.copy()
@@ -74,7 +73,7 @@ def taxicab_transform(start: Array, cell: float) -> Array:
 
 
 @kernel
-def _drawn(x: Array, y: Array, x0: float, y0: float, cell: float, cells: int) -> Array:
+def _drawn(x: Floats, y: Floats, x0: float, y0: float, cell: float, cells: int) -> Floats:
     """Taxicab distance (m) of the four cells around each point to the nearest of the points; infinite elsewhere."""
     image = np.full((cells, cells), np.inf)
     for k in range(len(x)):
@@ -86,7 +85,7 @@ def _drawn(x: Array, y: Array, x0: float, y0: float, cell: float, cells: int) ->
 
 
 @kernel
-def map_potential(bitmap: Array, x: float, y: float, x0: float, y0: float, cell: float) -> float:
+def map_potential(bitmap: Floats, x: float, y: float, x0: float, y0: float, cell: float) -> float:
     """U_p at (x, y), bilinear between the centres of four cells; the rim's value outside.
 
     Reading: taken from the one cell that holds (x, y), U_p would not tell 0.2 m apart, and the car would weave in that
@@ -101,22 +100,22 @@ def map_potential(bitmap: Array, x: float, y: float, x0: float, y0: float, cell:
     return float(near + g * (far - near))
 
 
-def valley_bitmap(line: Array, static: Array, x0: float, y0: float, cell: float, parameters: Parameters) -> Array:
+def valley_bitmap(line: Floats, static: Floats, x0: float, y0: float, cell: float, parameters: Parameters) -> Floats:
     """U_p = α·d₁(p, C) + β·d₁(p, C) / min_o d₁(p, o) over the grid, shape (CELLS, CELLS) (F&L 1991, §3.3.1).
 
     The samples of C, the `line` (n, 2), m, must lie no farther apart than a cell; `static` (k, 2) are points of O_S.
     """
     distance = taxicab_transform(_drawn(line[:, 0], line[:, 1], x0, y0, cell, CELLS), cell)
-    attraction: Array = parameters.valley_attraction * distance
+    attraction: Floats = parameters.valley_attraction * distance
     if not len(static):
         return attraction
     to_static = taxicab_transform(_drawn(static[:, 0], static[:, 1], x0, y0, cell, CELLS), cell)
-    result: Array = attraction + parameters.valley_repulsion * distance / np.maximum(to_static, cell)
+    result: Floats = attraction + parameters.valley_repulsion * distance / np.maximum(to_static, cell)
     return result
 
 
 @kernel
-def rear_trace(x: Array, y: Array, heading: float, wheelbase: float) -> Array:
+def rear_trace(x: Floats, y: Floats, heading: float, wheelbase: float) -> Floats:
     """Return (n, 2): the curve C_R that the rear axle traces while the front axle follows the samples, m.
 
     `heading` is the body's at the first sample. The rear axle is drawn along the body (F&L 1991, §3.1).
@@ -130,7 +129,9 @@ def rear_trace(x: Array, y: Array, heading: float, wheelbase: float) -> Array:
     return out
 
 
-def valley_map(curve: Curve, s: float, heading: float, wheelbase: float, static: Array, parameters: Parameters) -> ValleyMap:
+def valley_map(
+    curve: Curve, s: float, heading: float, wheelbase: float, static: Floats, parameters: Parameters
+) -> ValleyMap:
     """Return U₁ of F and R in a window of `MAP_SIDE_M` around the place at `s` of C; `heading` is the car's there."""
     cell = MAP_SIDE_M / CELLS
     x, y, _ = curve.at(s)

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sumo_reactive.driver.compilation import kernel
-
-Array = NDArray[np.float64]
+from sumo_reactive.driver.geometry.polyline import Floats
 
 
 @kernel
@@ -37,7 +33,7 @@ def cruise_speed(speed: float, distance: float, time_left: float, top_speed: flo
 
 @kernel
 def carried_out(
-    curvature: Array, step: float, s: float, d: float, error: float, speed: float, deceleration: float, lateral: float
+    curvature: Floats, step: float, s: float, d: float, error: float, speed: float, deceleration: float, lateral: float
 ) -> float:
     """Return how far (m) from C a car is carried that brakes with `deceleration` (m/s²) and turns as tightly as `lateral`
     acceleration (m/s²) allows, until it heads along C again or is slow enough to follow it.

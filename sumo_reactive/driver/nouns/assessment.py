@@ -6,7 +6,7 @@ from enum import Enum
 from typing import NamedTuple
 
 
-class Outcome(Enum):
+class PlanOutcome(Enum):
     """How a manoeuvre ends if everybody goes on as now."""
 
     FINE = "fine"
@@ -28,10 +28,10 @@ class Assessment(NamedTuple):
     """The outcome, with the `lateness` (s) for the constraint at arc length `constraint` (m of C), and the encounter of a
     failure."""
 
-    outcome: Outcome
+    outcome: PlanOutcome
     lateness: float
     constraint: float
     encounter: Encounter | None = None
 
 
-NOT_ASSESSED = Assessment(Outcome.FINE, 0.0, 0.0)
+NOT_ASSESSED = Assessment(PlanOutcome.FINE, 0.0, 0.0)

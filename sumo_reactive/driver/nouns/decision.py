@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class Behaviour(Enum):
-    """What the ego is doing: the paper's five (F&L 1991, §2), and those that the road adds."""
+    """What the ego is doing: the paper's five (F&L 1991, §2), and those that the road adds; a file each."""
 
     NORMAL = "normal driving"
     CAUTIOUS = "cautious driving"
@@ -53,7 +53,7 @@ class Reason(Enum):
     SCHEDULED_STOP = "the route has a stop here"
     NO_GAP = "no gap on the lane that the route needs"
     GAP_CLOSED = "the gap on the other lane has closed"
-    HELD_UP = "the queue ahead is held up, and a lane beside leads on as well"
+    QUEUE_CHANGE = "the queue ahead is held up, and a lane beside leads on as well"
     BLOCKED = "the way is blocked"
     SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"
     GAP_LOST = "the gap to pass is lost"
@@ -66,7 +66,7 @@ class Reason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """A symbolic statement of the pilot: in `behaviour`, because of `reason`, caused by `cause` at `region`.
+    """A symbolic statement of the pilot: what `behaviour` does because of `reason`, caused by `cause` at `region`.
 
     `figures` are the numbers that it rests on, by name with unit (`arrival_s`, `clearance_s`, `gap_m`).
     """

@@ -1,7 +1,7 @@
-"""Where C keeps off the middle of its lane: long bodies in bends, those who wait inside junctions, those abreast there.
+"""Where C keeps off the middle of its lane: long bodies in bends, who waits inside junctions, who is beside the ego there.
 
 A long body's front keeps to the outside, so that the rear, which cuts the inside, stays in the lane too. Who waits inside a
-junction cannot move, and who drives abreast of the ego there does not look.
+junction cannot move, and who comes too near beside the ego there does not look.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, mov
 from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.world.abreast import Abreast, abreast_of, beside
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.lane import road_of
+from sumo_reactive.driver.world.lateral_conflict import LateralConflict, beside, lateral_conflicts
 
 MAX_CENTRING_M = 0.6
 """In a bend a long vehicle keeps to the outside by at most this, as its rear keeps to the inside: farther, its front bumper
@@ -75,7 +75,7 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
 
 def clear_of_others(line: Points, half_widths: Floats, reference: Reference, limits: VehicleLimits) -> Points:
     """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or be
-    abreast of the ego's there, from a neighbour lane of its road.
+    too near beside the ego's there, from a neighbour lane of its road.
 
     `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
     """
@@ -91,7 +91,7 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
             if _may_be_met(connection, other):
                 _clear_of_body(shift[first:last], line[first : last + 1], _waiting(other), needed)
         reach = min(last + int(HOLD_BACK_REACH_M / CURVE_STEP_M), len(line))  # one may still be inside, the other out of it
-        ways = abreast_of(reference.graph, connection.id)
+        ways = lateral_conflicts(reference.graph, connection.id)
         _clear_of_ways(shift[first:reach], line[first:reach], ways, needed + 0.5 * WAITING_WIDTH_M)
     if not shift.any():
         return line
@@ -153,14 +153,14 @@ def _clear_of_body(shift: Floats, line: Points, body: Points, room: float) -> No
             shift[j] = -np.sign(by) * (room - abs(by))
 
 
-def _clear_of_ways(shift: Floats, line: Points, ways: Iterable[Abreast], room: float) -> None:
+def _clear_of_ways(shift: Floats, line: Points, ways: Iterable[LateralConflict], room: float) -> None:
     """Set in `shift` (n,), m to the left, how far `line` (n, 2) has to be moved to leave `room` m to each of `ways`.
 
     Between two of them it runs in the middle. A way that leads to the other side is crossed, not kept clear of.
     """
     left, right = np.zeros(len(line)), np.zeros(len(line))
-    for abreast in ways:
-        aside = beside(abreast.way, line)
+    for other in ways:
+        aside = beside(other.way, line)
         needed = np.sign(aside) * np.maximum(room - np.abs(aside), 0.0)
         if needed.min() >= 0.0 or needed.max() <= 0.0:
             left, right = np.maximum(left, needed), np.minimum(right, needed)

@@ -132,7 +132,7 @@ def route_connections(graph: RoadGraph, lane: Lane, targets: tuple[Lane, ...], v
     """Return the connections from `lane` to any of `targets` that the class may drive."""
     edge_id = targets[0].edge_id
     found = []
-    for connection in graph.outgoing.get(lane.id, ()):
+    for connection in graph.ways_from(lane.id):
         target = graph.lanes.get(connection.to_lane)
         if target is None or connection.is_crossing or target.edge_id != edge_id or not target.allows(vehicle_class):
             continue

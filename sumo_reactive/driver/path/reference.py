@@ -75,12 +75,11 @@ class Reference:
         """Append a connection's internal lanes, from arc length `start` (m) of its path on; return where the line goes on on
         the lane behind them, m. The car has `driven` so many metres of the path already."""
         began = self.length - driven
-        before = 0.0
-        for part in connection.parts:
+        *parts, _ = self.graph.lanes_behind(connection)
+        for part, before in parts:
             lane = self.graph.lanes[part]
             if start < before + lane.spine.length:
                 self.follow(lane, route_index, start if before == 0.0 else max(start - before, 0.0), lane.spine.length)
-            before += lane.spine.length
         if not connection.parts and start < connection.path.length:
             self._append(cut(connection.path, start, connection.path.length))
         self.passages.append((connection, began, self.length))

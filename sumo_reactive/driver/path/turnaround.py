@@ -178,7 +178,7 @@ def _lanes_on(
     """Return the lanes over `edges` that follow on a lane (`step` 1) or come before it (−1), as far as needed to turn."""
     found, reach = list[str](), graph.lanes[lane_id].spine.length
     for edge_id in edges:
-        ways = (graph.outgoing if step > 0 else graph.incoming).get(lane_id, ())
+        ways = (graph.ways_from if step > 0 else graph.ways_into)(lane_id)
         onward = _joining(graph, ways, edge_id, step) if reach < STUB_LENGTHS * limits.length else None
         if onward is None:
             break
@@ -193,7 +193,7 @@ def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: i
     for way in ways:
         lane = graph.lanes.get(way.to_lane if step > 0 else way.from_lane)
         if lane is not None and lane.edge_id == edge_id and way.light is None:
-            rule, regions = graph.junctions[way.junction_id].right_of_way, graph.regions.get(way.id, ())
+            rule, regions = graph.junctions[way.junction_id].right_of_way, graph.regions_on(way)
             if not any(rule.must_yield(way.index, graph.connections[region.other_id].index) for region in regions):
                 return way
     return None

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
-from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, Outcome
+from sumo_reactive.driver.geometry.polyline import Floats
+from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Forecast
 from sumo_reactive.driver.nouns.plan import NominalPlan
@@ -26,16 +27,14 @@ from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_sp
 ASSESSMENT_STEP_S = 0.2
 """Step of the simulation ahead: 2.8 m at city speed, less than a car's length."""
 
-Array = NDArray[np.float64]
-
 
 class Way(NamedTuple):
     """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s."""
 
-    x: Array
-    y: Array
-    heading: Array
-    speed_limits: Array
+    x: Floats
+    y: Floats
+    heading: Floats
+    speed_limits: Floats
     step: float
 
 
@@ -47,9 +46,9 @@ def way_of(plan: NominalPlan) -> Way:
 
 @kernel
 def drive_ahead(
-    s: float, heading: float, speed: float, x: Array, y: Array, headings: Array, limits: Array, step: float,
-    stop: float, leaders: Array, acceleration: float, deceleration: float, headway: float, gap: float, wheelbase: float,
-    overhang: float, dt: float, out: Array,
+    s: float, heading: float, speed: float, x: Floats, y: Floats, headings: Floats, limits: Floats, step: float,
+    stop: float, leaders: Floats, acceleration: float, deceleration: float, headway: float, gap: float, wheelbase: float,
+    overhang: float, dt: float, out: Floats,
 ) -> None:  # fmt: skip
     """Fill `out` (n, 5) with front bumper x, y, heading, speed, s of F, every `dt` s: M with its front axle on C.
 
@@ -77,8 +76,8 @@ def drive_ahead(
 
 @kernel
 def first_contact(
-    trace: Array, length: float, width: float, points: Array, first: NDArray[np.int64], count: NDArray[np.int64],
-    bodies: Array, speeds: Array, leads: Array, dt: float, path_step: float,
+    trace: Floats, length: float, width: float, points: Floats, first: NDArray[np.int64], count: NDArray[np.int64],
+    bodies: Floats, speeds: Floats, leads: Floats, dt: float, path_step: float,
 ) -> tuple[int, int]:  # fmt: skip
     """Return (path, step of `trace`) where the ego's box first meets another's; (-1, -1) when it never does.
 
@@ -108,11 +107,11 @@ def simulate(
     snapshot: Snapshot,
     way: Way,
     stop: TimeConstraint | None,
-    leaders: Array,
+    leaders: Floats,
     limits: VehicleLimits,
     duration: float,
     headway: float = 1.0,
-) -> Array:
+) -> Floats:
     """Return the ego's motion along `way`, (n, 5) as `drive_ahead` gives it, behind `leaders` (m, 3), up to `stop`.
 
     `headway`: share of the driver's own that is kept.
@@ -133,7 +132,7 @@ def followed(snapshot: Snapshot) -> list[PathObstacle]:
     return [o for o in snapshot.on_path if o.along > -STANDING_SPEED and abs(o.across) <= max(o.along, STANDING_SPEED)]
 
 
-def leader_table(snapshot: Snapshot) -> Array:
+def leader_table(snapshot: Snapshot) -> Floats:
     """Return the leaders as `drive_ahead` wants them: in the way for ever."""
     return np.array([(o.start, max(o.along, 0.0), math.inf) for o in followed(snapshot)]).reshape(-1, 3)
 
@@ -162,8 +161,9 @@ def assess(
     if k >= 0 and snapshot.parameters.has(Mechanism.FAILURE):
         x, y, _, _, s = trace[n].tolist()
         meets = Encounter(forecast.user_ids[k], snapshot.time + n * ASSESSMENT_STEP_S, s + limits.front_overhang, x, y)
-        return Assessment(Outcome.FAILURE, late, place, meets)
-    return Assessment(Outcome.DEGRADED if late > snapshot.parameters.excessive_delay_s else Outcome.FINE, late, place)
+        return Assessment(PlanOutcome.FAILURE, late, place, meets)
+    is_late = late > snapshot.parameters.excessive_delay_s
+    return Assessment(PlanOutcome.DEGRADED if is_late else PlanOutcome.FINE, late, place)
 
 
 def would_meet(
@@ -179,10 +179,10 @@ def failing_at(assessment: Assessment, met: Encounter | None) -> Assessment:
     known = assessment.encounter
     if met is None or (known is not None and known.time <= met.time):
         return assessment
-    return assessment._replace(outcome=Outcome.FAILURE, encounter=met)
+    return assessment._replace(outcome=PlanOutcome.FAILURE, encounter=met)
 
 
-def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Array:
+def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trusted: Collection[str]) -> Floats:
     """The speed of each path (k,), m/s; NaN where its user need not be looked at."""
     pose = snapshot.ego.pose
     middle = limits.front_to_rear_axle - 0.5 * limits.length
@@ -195,8 +195,8 @@ def _speeds(snapshot: Snapshot, forecast: Forecast, limits: VehicleLimits, trust
 
 @kernel
 def speeds_ahead(
-    points: Array, first: NDArray[np.int64], bodies: Array, x: float, y: float, heading: float, middle: float
-) -> Array:
+    points: Floats, first: NDArray[np.int64], bodies: Floats, x: float, y: float, heading: float, middle: float
+) -> Floats:
     """Return the speed of each path (k,), m/s, NaN for those who follow: their front is behind the ego's middle, which is
     `middle` m ahead of its rear axle at (x, y)."""
     c, s = math.cos(heading), math.sin(heading)

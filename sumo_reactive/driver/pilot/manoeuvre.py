@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.geometry.polyline import eased, moved_aside
+from sumo_reactive.driver.geometry.polyline import Floats, eased, moved_aside
 from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
@@ -27,7 +27,6 @@ PROOF_ROOM_M = 0.2
 UNDER_WAY_SHARE = 0.6
 """Share of the margins that must remain while the ego passes: a small error does not call it back."""
 
-Array = NDArray[np.float64]
 
 LANE_WIDTH_M = 3.2
 """SUMO's usual lane; sets only how long a move aside takes."""
@@ -117,7 +116,7 @@ def _way_out(situation: Situation, x: Passed, lateral: float) -> Way:
     return displaced(whole, lateral * eased(t), snapshot.s)
 
 
-def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
+def _along(plan: NominalPlan, end: float) -> tuple[Way, Floats]:
     """Return C up to arc length `end` (m), and the arc length of each sample (n,)."""
     curve = plan.curve
     n = min(len(curve.x), int(end / curve.step) + 2)
@@ -125,7 +124,7 @@ def _along(plan: NominalPlan, end: float) -> tuple[Way, Array]:
     return Way(curve.x[:n], curve.y[:n], curve.heading[:n], plan.speed_limits[:n], curve.step), samples
 
 
-def displaced(way: Way, lateral: Array, start: float) -> Way:
+def displaced(way: Way, lateral: Floats, start: float) -> Way:
     """Return `way` moved to its left by `lateral` (n,), m, from arc length `start` on; as it is, if it ends before."""
     first = max(int(start / way.step) - 1, 0)
     if first > len(way.x) - 2:
@@ -140,7 +139,7 @@ def displaced(way: Way, lateral: Array, start: float) -> Way:
     return way._replace(x=x, y=y, heading=heading)
 
 
-def _leaders(situation: Situation, x: Passed, lateral: float) -> Array:
+def _leaders(situation: Situation, x: Passed, lateral: float) -> Floats:
     """Return the leaders for the simulation: X until the way past it leads aside, the others for ever."""
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
@@ -159,7 +158,7 @@ def _is_in_sight(situation: Situation, lane: LaneBeside, until: float, duration:
     return sight - lane.speed_limit * (duration + before(situation.limits.parameters).oncoming) > until
 
 
-def _meeting(situation: Situation, trace: Array, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:
+def _meeting(situation: Situation, trace: Floats, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:
     """Return the proof, after a look at everybody: where foreseen, earlier by the margin, later by half of it."""
     forecast, limits, room = situation.outlook.forecast, situation.limits, margin.room
     speeds, oncoming = _speeds(situation)
@@ -176,7 +175,7 @@ def _meeting(situation: Situation, trace: Array, x: Passed, aside: Aside, durati
     return Proof(aside, "", duration)
 
 
-def _speeds(situation: Situation) -> tuple[Array, NDArray[np.bool_]]:
+def _speeds(situation: Situation) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the speed of each path, m/s (NaN: its user need not be looked at), and which come towards the ego.
 
     Oncoming traffic that moves is taken at its lane's limit if it is slower; who follows on the ego's own lane brakes.

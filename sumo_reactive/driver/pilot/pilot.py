@@ -28,7 +28,7 @@ from sumo_reactive.driver.pilot.events import premises_of
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import View
-from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest, unconditional_stop
+from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest_stop, unconditional_stop
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
 from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
@@ -121,7 +121,7 @@ def _asked(situation: Situation, behaviour: Behaviour) -> tuple[Situation, Rules
     changing = situation.changing if Rule.LANE_GAP in asks else LaneChanging()
     asked, memory = ask(situation.view, asks, changing.stop, situation.memory)
     assessment = failing_at(situation.assessment, asked.met)
-    return situation._replace(assessment=assessment, memory=memory, stop=nearest(asked.stops), changing=changing), asked
+    return situation._replace(assessment=assessment, memory=memory, stop=nearest_stop(asked.stops), changing=changing), asked
 
 
 def _turn(situation: Situation) -> Turning | None:

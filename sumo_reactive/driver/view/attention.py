@@ -10,9 +10,8 @@ from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.world.abreast import SIDE_BY_SIDE_ANGLE
-from sumo_reactive.driver.world.junction import Connection
-from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 ATTENTION_TIME_S = 8.0
@@ -25,7 +24,7 @@ ATTENTION_BEHIND_M = 90.0
 """How far back a lane is watched before changing onto it: 3 s at 30 m/s of closing speed."""
 
 
-class Threat(NamedTuple):
+class ConflictingLane(NamedTuple):
     """A lane from which a conflict can arise.
 
     A user at arc length p of the lane has `distance` − p m to its stop line, if its route begins with `edges`; the region
@@ -40,46 +39,17 @@ class Threat(NamedTuple):
 
 
 @kept(4096)
-def conflicts_of(graph: RoadGraph, connection_id: str) -> tuple[Conflict, ...]:
-    """Return the crossing and merging conflicts on a connection, nearest region first.
-
-    Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
-    drive side by side, and whoever reaches into the ego's corridor is a leader.
-    """
-    own = graph.connections[connection_id]
-    rules = graph.junctions[own.junction_id].right_of_way
-    found = []
-    for region in graph.regions.get(connection_id, ()):
-        other = graph.connections[region.other_id]
-        if region.kind is ConflictKind.DIVERGING:
-            continue
-        yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
-        if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
-            found.append(Conflict(region, other, yields, yielded))
-    return tuple(found)
-
-
-def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:
-    """Whether two paths come from one road and run in about one direction where they meet."""
-    before, beside = graph.lanes.get(own.from_lane), graph.lanes.get(other.from_lane)
-    if before is None or beside is None or before.edge_id != beside.edge_id:
-        return False
-    along = own.path.heading_at(0.5 * (region.own.start + region.own.end))
-    across = other.path.heading_at(0.5 * (region.other.start + region.other.end))
-    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
-
-
-@kept(4096)
-def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Threat, ...]]:
+def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[ConflictingLane, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
-    table: dict[str, list[Threat]] = {}
-    for conflict in conflicts_of(graph, connection_id):
+    table: dict[str, list[ConflictingLane]] = {}
+    own = graph.connections[connection_id]
+    for conflict in conflicts_of(graph, own, graph.regions_on(own)):
         region = conflict.region.other.start, conflict.region.other.end
         for lane_id, behind in graph.lanes_behind(conflict.other):
-            table.setdefault(lane_id, []).append(Threat(conflict, -behind, (), *region))
-        for approach in graph.approaches.get(conflict.other.id, ()):
-            table.setdefault(approach.lane_id, []).append(Threat(conflict, approach.distance, approach.edges, *region))
-    return {lane: tuple(entries) for lane, entries in table.items()}
+            table.setdefault(lane_id, []).append(ConflictingLane(conflict, -behind, (), *region))
+        for lane in graph.approaches.get(conflict.other.id, ()):
+            table.setdefault(lane.lane_id, []).append(ConflictingLane(conflict, lane.distance, lane.edges, *region))
+    return {lane_id: tuple(entries) for lane_id, entries in table.items()}
 
 
 @kept(4096)
@@ -101,7 +71,7 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     queue = [(lane_id, 0.0)]
     while queue:
         here, start = queue.pop()
-        for connection in graph.incoming.get(here, ()):
+        for connection in graph.ways_into(here):
             at = start
             for part in reversed(connection.parts):
                 at -= graph.lanes[part].spine.length
@@ -114,7 +84,7 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     queue = [(lane_id, lane.spine.length)]
     while queue:
         here, end = queue.pop()
-        for connection in graph.outgoing.get(here, ()):
+        for connection in graph.ways_from(here):
             *parts, (behind, at) = graph.lanes_behind(connection)
             for part, start in parts:
                 axis.setdefault(part, end + start)
@@ -191,16 +161,18 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
 
 
 _Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
-"""A passage, and what a user of a lane may do to the ego on it: the fields of a `Threat`.
+"""A passage, and what a user of a lane may do to the ego on it: the fields of a `ConflictingLane`.
 
 It is plain because every user near is held against it at every step: a named tuple takes longer to take apart.
 """
 
 
-def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[int, ...]) -> tuple[Foe, ...]:
+def foes_of(
+    traffic: Traffic, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, sight: tuple[int, ...]
+) -> tuple[Foe, ...]:
     """Return who can reach a region of the plan's passages in `sight`, once for each region."""
     found: list[Foe] = []
-    meanings = _meanings(graph, plan, sight) if sight else {}
+    meanings = _meanings(graph, plan, limits, sight) if sight else {}
     for user in (*traffic.users, *traffic.beside) if meanings else ():
         watched = meanings.get(user.lane_id)
         if watched is None:
@@ -223,11 +195,13 @@ def foes_of(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, sight: tuple[
 
 
 @kept(PLANS_KEPT)
-def _meanings(graph: RoadGraph, plan: NominalPlan, sight: tuple[int, ...]) -> Mapping[str, tuple[_Meaning, ...]]:
+def _meanings(
+    graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, sight: tuple[int, ...]
+) -> Mapping[str, tuple[_Meaning, ...]]:
     """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
     table: dict[str, list[_Meaning]] = {}
-    for i in sight:
-        for lane_id, watches in watches_of(graph, plan.passages[i].connection_id).items():
+    for i, connection, _ in passages_ahead(graph, plan, limits, sight):
+        for lane_id, watches in watches_of(graph, connection.id).items():
             table.setdefault(lane_id, []).extend((i, *watch) for watch in watches)
     return {lane_id: tuple(meanings) for lane_id, meanings in table.items()}
 

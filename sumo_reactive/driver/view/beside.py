@@ -81,7 +81,7 @@ def feared(graph: RoadGraph, connection_id: str) -> frozenset[str]:
 def _exits(graph: RoadGraph, lane_id: str) -> Mapping[str, tuple[float, str]]:
     """Return where the lane and the ways out of it begin on the lane's own axis (m), and the connection that each is of."""
     table, length = {lane_id: (0.0, "")}, graph.lanes[lane_id].spine.length
-    for way in graph.outgoing.get(lane_id, ()):
+    for way in graph.ways_from(lane_id):
         table.update((part, (length + at, way.id)) for part, at in [*graph.lanes_behind(way)][:-1])
     return table
 
@@ -89,7 +89,7 @@ def _exits(graph: RoadGraph, lane_id: str) -> Mapping[str, tuple[float, str]]:
 @kept(4096)
 def _exit_to(graph: RoadGraph, lane_id: str, edge_id: str) -> str:
     """Return the connection from a lane to an edge; empty: none."""
-    ways = graph.outgoing.get(lane_id, ())
+    ways = graph.ways_from(lane_id)
     return next((c.id for c in ways if c.to_lane in graph.lanes and graph.lanes[c.to_lane].edge_id == edge_id), "")
 
 

@@ -24,11 +24,11 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 TURN_FORESEEN_S = 0.7
 """The others' turning is taken over this time, along their lanes: for as long as footprints are tested."""
 
-CUT_M = 0.6
+OFF_TRACKING_M = 0.6
 """A body that covers the lane beside by more than this in a bend is shown there: SUMO's cars, in the middle of 3.2 m, leave
 0.7 m."""
 
-CUT_SIGHT_M = 60.0
+OFF_TRACKING_SIGHT_M = 60.0
 """So far ahead the driver looks for a place where the body will cut into the lane beside: enough to stop in town."""
 
 SPEED_GAINED = 2.0
@@ -175,7 +175,7 @@ def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) 
         aside = own.spine.offsets(places[first:end])
         for left, reach in ((True, aside + band.left[first:end]), (False, band.right[first:end] - aside)):
             lane = lane_at_side(graph, g.lane_id, left)
-            at = first + np.flatnonzero(reach > 0.5 * own.width + CUT_M)
+            at = first + np.flatnonzero(reach > 0.5 * own.width + OFF_TRACKING_M)
             if lane is not None and len(at):
                 runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
                 ends = ((float(run[0]) * curve.step, float(run[-1]) * curve.step) for run in runs)
@@ -191,7 +191,7 @@ def next_off_tracking(
     `s`, `front`: arc length of front axle and front bumper on C, m.
     """
     for found in off_tracking_of(plan, graph, limits):
-        if found.start > front + CUT_SIGHT_M:
+        if found.start > front + OFF_TRACKING_SIGHT_M:
             break
         if found.end > s and not found.lane_id.startswith(":"):
             return found

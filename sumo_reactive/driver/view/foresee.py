@@ -138,7 +138,7 @@ def _lines(graph: RoadGraph, lane_id: str, edges: tuple[str, ...]) -> Iterator[l
         lanes = [lane for lane, _ in graph.lanes_behind(own) if lane in graph.lanes]
         yield [graph.lanes[lane].spine.points for lane in lanes[lanes.index(lane_id) :]]
         return
-    ways = () if spine.length > FORECAST_REACH_M or own is not None else graph.outgoing.get(lane_id, ())
+    ways = () if spine.length > FORECAST_REACH_M or own is not None else graph.ways_from(lane_id)
     targets = {way.id: graph.lanes.get(way.to_lane) for way in ways if not way.is_crossing}
     behind = [
         [graph.lanes[lane].spine.points for lane, _ in graph.lanes_behind(way)]

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import band_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
-
-Array = NDArray[np.float64]
 
 OFF_LANE_M = 0.5
 """Where C runs this far beside its lane's middle, it changes lanes or passes somebody, and nothing is added."""
@@ -28,7 +26,7 @@ def lane_room(graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, s: flo
 
 
 @kept(PLANS_KEPT)
-def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Array, Array]:
+def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Floats, Floats]:
     """Return the room (n,) to the left and right of each sample of C, m; none in junctions.
 
     It is what the corridor, with its margin, leaves of the lane.
@@ -48,7 +46,7 @@ def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[
     return _eased(left, curve.step), _eased(right, curve.step)
 
 
-def _eased(room: Array, step: float) -> Array:
+def _eased(room: Floats, step: float) -> Floats:
     """Return the greatest room (n,), m, no greater than `room` that grows and falls by at most GROWTH."""
     slope = GROWTH * step * np.arange(len(room))
     rising = np.minimum.accumulate(room - slope) + slope

@@ -17,14 +17,14 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
-from sumo_reactive.driver.world.abreast import abreast_of, beside
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
+from sumo_reactive.driver.world.lateral_conflict import beside, lateral_conflicts
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-ABREAST_WIDTH_M = 2.5
+WIDEST_BESIDE_M = 2.5
 """The widest ordinary body, a truck's or bus's."""
 
-MIN_ABREAST_M = 0.1
+LEAST_BESIDE_M = 0.1
 """Who would be nearer than this beside the ego is not passed, nor let pass."""
 
 CROSSER_MARGIN_S = 0.5
@@ -100,9 +100,9 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
         if last - first < 2:
             continue
         places = np.column_stack((curve.x[first:last], curve.y[first:last]))
-        for other, way in abreast_of(graph, passage.connection_id):
+        for other, way in lateral_conflicts(graph, passage.connection_id):
             aside = np.abs(beside(way, places))
-            at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M)
+            at = np.flatnonzero(aside < 0.5 * (limits.width + WIDEST_BESIDE_M) + LEAST_BESIDE_M)
             if len(at):
                 start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
                 along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
@@ -117,7 +117,7 @@ def ahead_at_narrows(
 ) -> Iterator[Leader]:  # fmt: skip
     """Yield a leader for everybody who is first at a narrow place before the ego; its bumper is at `front` m of C.
 
-    Who is in it already is seen in the corridor. Where both would arrive abreast the ego falls back: nobody else does.
+    Who is in it already is seen in the corridor. Where both would arrive at once the ego falls back: nobody else does.
     """
     for narrow in narrows:
         left = narrow.start - front
@@ -134,7 +134,7 @@ def _coming(
     """Yield who comes to a narrow place that is too narrow for him beside the ego, and the way (m) to it."""
     for user in users:
         to_line = _to_line(user, narrow, graph)
-        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > MIN_ABREAST_M:
+        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > LEAST_BESIDE_M:
             continue
         if user.speed >= STANDING_SPEED or to_line <= 0.0:
             yield to_line + narrow.other_start, user

@@ -64,10 +64,10 @@ def perceive(
     boxes = _boxes(traffic.users)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
-    foes = foes_of(traffic, plan, graph, sight) if looks_for_foes else ()
+    foes = foes_of(traffic, plan, graph, limits, sight) if looks_for_foes else ()
     sought = lane_sought(graph, plan, front)
-    cut = None if sought else next_off_tracking(plan, graph, limits, s, front)
-    beside = cut.lane_id if cut else sought
+    off_tracking = None if sought else next_off_tracking(plan, graph, limits, s, front)
+    beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
     near = _near(traffic.users, boxes, graph, ego, limits)
@@ -81,7 +81,7 @@ def perceive(
     lights = traffic.lights
     room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
     return Snapshot(
-        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, cut, room,
+        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, off_tracking, room,
         limits.parameters,
     )  # fmt: skip
 

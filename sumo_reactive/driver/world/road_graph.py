@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-import heapq
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
+from sumo_reactive.driver.world.approaches import Approach
 from sumo_reactive.driver.world.junction import Connection, Junction
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.regions import ConflictRegion
 
 
 class ArcLabel(Enum):
-    """What the source of an arc is to its target."""
+    """What leads from the source of an arc to its target."""
 
     FOLLOWS = "follows"  # the target lane follows the source lane
-    LEFT_OF = "left of"  # the source lane lies left of the target lane
-    RIGHT_OF = "right of"
-    ENTERS = "enters"  # lane → conflict region
+    ENTERS = "enters"  # lane before a junction → conflict region on a way through it
     CLEARS = "clears"  # conflict region → the post-conflict region behind it
-    LEADS_TO = "leads to"  # post-conflict region → lane
-    CONFLICTS = "conflicts"  # conflict region ↔ the connection that shares it
+    LEADS_TO = "leads to"  # post-conflict region → lane behind the junction
 
 
 class Arc(NamedTuple):
@@ -35,28 +32,85 @@ class Arc(NamedTuple):
     label: ArcLabel
 
 
+def arcs_of(connections: Mapping[str, Connection], regions: Iterable[ConflictRegion]) -> tuple[Arc, ...]:
+    """Return the arcs of W between the lanes that `connections` (by id) join, and those by `regions` on them, in order."""
+    arcs = []
+    for connection in connections.values():
+        for source, target in pairwise((connection.from_lane, *connection.parts, connection.to_lane)):
+            arcs.append(Arc(source, target, ArcLabel.FOLLOWS))
+    for region in regions:
+        own = connections[region.own_id]
+        arcs.append(Arc(own.from_lane, region.id, ArcLabel.ENTERS))
+        arcs.append(Arc(region.id, region.post.id, ArcLabel.CLEARS))
+        arcs.append(Arc(region.post.id, own.to_lane, ArcLabel.LEADS_TO))
+    return tuple(arcs)
+
+
 @dataclass(frozen=True, eq=False)
 class RoadGraph:
     """The part of the world that a route touches; immutable, built once.
 
-    `lanes` holds normal and internal lanes by id; `edge_lanes` the lanes of an edge, outermost first; `outgoing` and
-    `incoming` the connections by lane id; `connection_of` the connection that an internal lane is part of; `regions`
-    the conflict regions by the id of the own connection, in order of their start; `opposite` the edge that shares an
-    edge's carriageway in the other direction; `approaches` the lanes on which vehicles come to a connection that shares
-    a conflict region, by the connection's id (none come to a pedestrian crossing).
+    Its nodes are `lanes` (normal and internal ones) and conflict `regions` with the post-conflict regions behind them, by
+    id; `arcs` join them, those from one node in order. `edge_lanes` holds the lanes of an edge, outermost first; `opposite`
+    the edge that shares an edge's carriageway in the other direction; `approaches` the lanes on which vehicles come to a
+    connection that shares a conflict region, by the connection's id (none come to a pedestrian crossing).
     """
 
     lanes: Mapping[str, Lane]
     edge_lanes: Mapping[str, tuple[Lane, ...]]
     junctions: Mapping[str, Junction]
     connections: Mapping[str, Connection]
-    outgoing: Mapping[str, tuple[Connection, ...]]
-    incoming: Mapping[str, tuple[Connection, ...]]
-    connection_of: Mapping[str, Connection]
-    regions: Mapping[str, tuple[ConflictRegion, ...]]
+    regions: Mapping[str, ConflictRegion]
+    arcs: tuple[Arc, ...]
     opposite: Mapping[str, str]
     left_hand: bool
     approaches: Mapping[str, tuple[Approach, ...]] = field(default_factory=dict)
+
+    @cached_property
+    def connection_of(self) -> Mapping[str, Connection]:
+        """The connection that an internal lane is part of."""
+        return {part: connection for connection in self.connections.values() for part in connection.parts}
+
+    @cached_property
+    def _targets(self) -> Mapping[tuple[str, ArcLabel], list[str]]:
+        targets: dict[tuple[str, ArcLabel], list[str]] = {}
+        for arc in self.arcs:
+            targets.setdefault((arc.source, arc.label), []).append(arc.target)
+        return targets
+
+    @cached_property
+    def _ways(self) -> tuple[Mapping[str, list[Connection]], Mapping[str, list[Connection]]]:
+        """The connections whose lanes follow each other all the way, by the lane before and by the lane behind them."""
+        onward: dict[str, list[Connection]] = {}
+        back: dict[str, list[Connection]] = {}
+        for connection in self.connections.values():
+            lanes = connection.from_lane, *connection.parts, connection.to_lane
+            if all(behind in self.successors(lane, ArcLabel.FOLLOWS) for lane, behind in pairwise(lanes)):
+                onward.setdefault(connection.from_lane, []).append(connection)
+                back.setdefault(connection.to_lane, []).append(connection)
+        return onward, back
+
+    def successors(self, node: str, label: ArcLabel) -> Sequence[str]:
+        """Return the nodes to which arcs of a label lead from a node, in order."""
+        return self._targets.get((node, label), ())
+
+    def ways_from(self, lane_id: str) -> Sequence[Connection]:
+        """Return the connections on which other lanes follow a lane."""
+        return self._ways[0].get(lane_id, ())
+
+    def ways_into(self, lane_id: str) -> Sequence[Connection]:
+        """Return the connections on which a lane follows others."""
+        return self._ways[1].get(lane_id, ())
+
+    def regions_on(self, connection: Connection) -> tuple[ConflictRegion, ...]:
+        """Return the conflict regions that the lane before a connection enters and that clear into its lane behind, in order
+        of their start."""
+        entered = self.successors(connection.from_lane, ArcLabel.ENTERS)
+        return tuple(self.regions[one] for one in entered if connection.to_lane in self._behind(one))
+
+    def _behind(self, region_id: str) -> Iterator[str]:
+        for post in self.successors(region_id, ArcLabel.CLEARS):
+            yield from self.successors(post, ArcLabel.LEADS_TO)
 
     def neighbours(self, lane_id: str) -> tuple[Lane | None, Lane | None]:
         """Return the lanes directly left and right of a lane on its edge, as the driver sees them."""
@@ -79,100 +133,15 @@ class RoadGraph:
             at += self.lanes[part].spine.length
         yield connection.to_lane, at
 
-    def arcs(self) -> Iterator[Arc]:
-        """Yield W as labelled arcs between lanes, conflict regions, post-conflict regions and connections."""
-        for connection in self.connections.values():
-            for source, target in pairwise((connection.from_lane, *connection.parts, connection.to_lane)):
-                yield Arc(source, target, ArcLabel.FOLLOWS)
-        for lane_id in self.lanes:
-            for beside, label in zip(self.neighbours(lane_id), (ArcLabel.LEFT_OF, ArcLabel.RIGHT_OF), strict=True):
-                if beside is not None:
-                    yield Arc(beside.id, lane_id, label)
-        for own_id, regions in self.regions.items():
-            own = self.connections[own_id]
-            for region in regions:
-                yield Arc(own.from_lane, region.id, ArcLabel.ENTERS)
-                yield Arc(region.id, region.post.id, ArcLabel.CLEARS)
-                yield Arc(region.post.id, own.to_lane, ArcLabel.LEADS_TO)
-                yield Arc(region.id, region.other_id, ArcLabel.CONFLICTS)
-                yield Arc(region.other_id, region.id, ArcLabel.CONFLICTS)
 
+def walk(graph: RoadGraph, lane_ids: Sequence[str]) -> Iterator[tuple[Connection, tuple[ConflictRegion, ...]]]:
+    """Walk W along the lanes of a way, each following the last or beside it, and yield what it passes, in order: each
+    connection with the conflict regions on it.
 
-@dataclass(frozen=True, slots=True)
-class Approach:
-    """A lane (normal or internal) from which a vehicle can reach a connection's stop line.
-
-    `distance` is the spine length from the lane's START to the stop line, m. `edges` are the normal edges still to drive,
-    from the lane's own edge (from the next one, if the lane is internal) up to and including the edge behind the
-    connection; a vehicle comes this way if its remaining route begins with them.
+    A way that begins inside a junction passes it, too.
     """
-
-    lane_id: str
-    distance: float
-    edges: tuple[str, ...]
-
-
-class Upstream(Protocol):
-    """What the search backwards along the lanes asks of a network."""
-
-    def edge_of(self, lane_id: str) -> str:
-        """Return the edge that a lane belongs to."""
-
-    def ends_of(self, edge_id: str) -> tuple[str, str]:
-        """Return the junctions where an edge starts and ends."""
-
-    def spine_length(self, lane_id: str) -> float:
-        """Return the length of a lane's spine, m."""
-
-    def arrivals(self, lane_id: str) -> Iterable[tuple[str, Sequence[str]]]:
-        """Yield (lane before the junction, internal lanes in driving order) of the connections into a lane."""
-
-    def detours(self, lane_id: str, edge_id: str) -> Iterable[str]:
-        """Yield the lanes beside `lane_id` that do not themselves lead to `edge_id`: who drives there must change lanes."""
-
-
-def approaches_to(from_lane: str, to_edge: str, net: Upstream, horizon: float) -> tuple[Approach, ...]:
-    """Return the approaches of the connection from `from_lane` to `to_edge`, nearest first.
-
-    A lane belongs to them if its end is less than `horizon` m from the stop line. Ways that pass a junction twice before
-    the stop line (turn around, drive round the block) are left out: no route does so, and they are many.
-    """
-    found: dict[tuple[str, tuple[str, ...]], float] = {}
-    passed_first = frozenset(net.ends_of(net.edge_of(from_lane))[1:])
-    queue: list[tuple[float, str, tuple[str, ...], frozenset[str]]]  # a lane's end, edges and junctions behind it
-    queue = [(0.0, from_lane, (to_edge,), passed_first)]
-    while queue:
-        ahead, lane, onward, passed = heapq.heappop(queue)
-        edge = net.edge_of(lane)
-        start = net.ends_of(edge)[0]
-        if start in passed:
-            continue
-        for beside in (lane, *net.detours(lane, onward[0])):
-            key = (beside, (edge, *onward))
-            distance = ahead + net.spine_length(beside)
-            if found.get(key, math.inf) <= distance:
-                continue
-            found[key] = distance
-            for reached, before in _upstream(beside, distance, key[1], net, horizon, found):
-                heapq.heappush(queue, (reached, before, key[1], passed | {start}))
-    ordered = sorted(found.items(), key=lambda item: item[1])
-    return tuple(Approach(lane, distance, edges) for (lane, edges), distance in ordered)
-
-
-def _upstream(
-    lane: str, distance: float, edges: tuple[str, ...], net: Upstream, horizon: float,
-    found: dict[tuple[str, tuple[str, ...]], float],
-) -> Iterator[tuple[float, str]]:  # fmt: skip
-    """Note the internal lanes that lead into `lane` and yield the lanes before them with their end's distance (m)."""
-    if distance >= horizon:
-        return
-    for before, parts in net.arrivals(lane):
-        reached = distance
-        for part in reversed(parts):
-            if reached >= horizon:
-                break
-            reached += net.spine_length(part)
-            key = (part, edges)
-            found[key] = min(reached, found.get(key, math.inf))
-        if reached < horizon:
-            yield reached, before
+    begun = graph.connection_of.get(lane_ids[0]) if lane_ids else None
+    for lane_id, onward in pairwise(lane_ids if begun is None else (begun.from_lane, *lane_ids)):
+        for connection in graph.ways_from(lane_id):
+            if onward == connection.to_lane or onward in connection.parts:
+                yield connection, graph.regions_on(connection)

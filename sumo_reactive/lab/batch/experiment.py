@@ -15,7 +15,7 @@ from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.files import text_of
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, named_once, parameter
-from sumo_reactive.lab.schema import TomlTable, line_of, nearest, problem_at, read_toml
+from sumo_reactive.lab.schema import TomlTable, line_number_of, nearest, problem_at, read_toml
 from sumo_reactive.lab.task import Driver
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 
@@ -124,7 +124,7 @@ def _values(name: str, values: list[float]) -> tuple[str, list[float]]:
     return found[0][0], [value for _, value in found]
 
 
-SUFFIX = ".duckdb"
+STORE_SUFFIX = ".duckdb"
 
 
 class Choice(NamedTuple):
@@ -160,7 +160,7 @@ def load_experiment(path: Path) -> Experiment:
     keys = file.experiment
     _check_egos(path, file)
     choices = tuple(_choice(path, file, k, name) for k, name in enumerate(keys.scenarios))
-    store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(SUFFIX)
+    store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(STORE_SUFFIX)
     grid = {name: value if isinstance(value, list) else [value] for name, value in file.parameters.items()}
     options = {name: value if isinstance(value, list) else [value] for name, value in file.options.items()}
     return Experiment(path, store, keys, choices, file.egos, grid, file.samples, options)
@@ -197,5 +197,5 @@ def _choice(path: Path, file: ExperimentFile, k: int, name: str) -> Choice:
 
 
 def _problem(path: Path, keys: tuple[str | int, ...], message: str) -> ScenarioError:
-    line = line_of(text_of(path), keys)
+    line = line_number_of(text_of(path), keys)
     return ScenarioError(f"{path}{f':{line}' if line else ''}: key '{'.'.join(map(str, keys))}': {message}")

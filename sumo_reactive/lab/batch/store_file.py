@@ -155,7 +155,7 @@ def _require_values(path: Path, database: duckdb.DuckDBPyConnection) -> None:
             raise StoreError(f"{path}: a damaged store: '{table}' has a row that no batch writes")
 
 
-COLLISION, HARD_BRAKING, EMERGENCY, DECISION = "collision", "hard braking", "emergency", "decision"
+COLLISION_ROW, BRAKING_ROW, EMERGENCY_ROW, DECISION_ROW = "collision", "hard braking", "emergency", "decision"
 
 EventRow = tuple[float, str, str, str, str | None]
 """Time (s), kind (a violation's is its own), user concerned, lane of the ego, a decision's entry as in `decisions.jsonl`."""
@@ -170,15 +170,15 @@ def _faults(outcome: Outcome) -> Iterator[EventRow]:
     if outcome.result is None:
         return
     for collision in outcome.result.collisions:
-        yield collision.time, COLLISION, collision.user_id, collision.lane_id, None
+        yield collision.time, COLLISION_ROW, collision.user_id, collision.lane_id, None
     for violation in outcome.result.violations:
         yield violation.time, violation.kind, violation.user_id, violation.lane_id, None
     for brake in outcome.result.hard_brakes:
-        yield brake.time, HARD_BRAKING, brake.user_id, brake.lane_id, None
+        yield brake.time, BRAKING_ROW, brake.user_id, brake.lane_id, None
 
 
 def _decisions(outcome: Outcome) -> Iterator[EventRow]:
     for entry in outcome.entries:
         cause = next((one.cause for one in entry.decisions if one.cause), "")
-        kind = EMERGENCY if entry.emergency else DECISION
+        kind = EMERGENCY_ROW if entry.emergency else DECISION_ROW
         yield round(entry.time, 3), kind, cause, "", json.dumps(line_of(entry), allow_nan=False)

@@ -12,7 +12,7 @@ import duckdb
 
 from sumo_reactive.errors import StoreError
 from sumo_reactive.lab.batch.store_file import connected, told
-from sumo_reactive.lab.comparison.statistics import Interval, interval_of
+from sumo_reactive.lab.comparison.statistics import ConfidenceInterval, interval_of
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import nearest
 from sumo_reactive.lab.tables import as_os_errors
@@ -37,7 +37,7 @@ class Mean(NamedTuple):
 
     n: int
     mean: float
-    interval: Interval | None
+    interval: ConfidenceInterval | None
 
 
 class Group(NamedTuple):

@@ -31,7 +31,7 @@ WHATEVER_THE_END = ("arrived", "collisions")
 
 OTHERS_METRICS = tuple(OTHERS)
 
-Number = float | int | None
+MetricValue = float | int | None
 
 
 @dataclass(frozen=True)
@@ -72,15 +72,15 @@ class Pair:
         return found.ego if found else self.scenario.ego or ""
 
     @property
-    def metrics(self) -> dict[str, tuple[Number, Number]]:
+    def metrics(self) -> dict[str, tuple[MetricValue, MetricValue]]:
         """Every metric of the comparison by name: SUMO's own driver's, this project's; None where there is none."""
         theirs, ours = self._values()
         return {name: (theirs.get(name), ours.get(name)) for name in (*EGO_METRICS, *OTHERS_METRICS)}
 
-    def _values(self) -> tuple[dict[str, Number], dict[str, Number]]:
+    def _values(self) -> tuple[dict[str, MetricValue], dict[str, MetricValue]]:
         one, other = self.sumo, self.reactive
-        theirs: dict[str, Number] = dict(one.result.metrics) if one.result else {}
-        ours: dict[str, Number] = dict(other.result.metrics) if other.result else {}
+        theirs: dict[str, MetricValue] = dict(one.result.metrics) if one.result else {}
+        ours: dict[str, MetricValue] = dict(other.result.metrics) if other.result else {}
         theirs.update(one.effects.figures if one.effects else {})
         ours.update(other.effects.figures if other.effects else {})
         if one.effects and other.effects:

@@ -9,35 +9,33 @@ from io import StringIO
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.comparison.comparison import Comparison, Number, Pair, Side
-from sumo_reactive.lab.comparison.statistics import CONFIDENCE, RESAMPLES, Interval, PairedDifference
+from sumo_reactive.lab.comparison.comparison import Comparison, MetricValue, Pair, Side
+from sumo_reactive.lab.comparison.statistics import CONFIDENCE, RESAMPLES, ConfidenceInterval, PairedDifference
 from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
 HEAD = ("", "n", "SUMO's own", "this driver", "difference", f"{100 * CONFIDENCE:g} % interval")
-"""Titles of the columns of `rows_of`."""
+"""Titles of the columns of `comparison_rows`."""
 
 NO_INTERVAL = "none: n = 1"
 MAX_DIGITS = 6
 FEW = 10
 """Resampling fewer pairs than this shows too little of how much they vary."""
 
-Row = tuple[str, ...]
 
-
-def rows_of(comparison: Comparison) -> list[Row]:
+def comparison_rows(comparison: Comparison) -> list[tuple[str, ...]]:
     """Return a row for each metric that can be compared: label, n, both means, difference and its interval."""
     return [_row(name, found) for name, found in comparison.differences.items()]
 
 
-def _row(name: str, found: PairedDifference) -> Row:
+def _row(name: str, found: PairedDifference) -> tuple[str, ...]:
     first, second, difference = _text(found.first), _text(found.second), _signed(found.difference)
     return EVERY[name].title, str(found.n), first, second, difference, _limits(found.interval)
 
 
-def _limits(interval: Interval | None) -> str:
+def _limits(interval: ConfidenceInterval | None) -> str:
     return NO_INTERVAL if interval is None else f"{_signed(interval.low)} … {_signed(interval.high)}"
 
 
@@ -138,7 +136,7 @@ def csv_of(comparison: Comparison) -> str:
     return text.getvalue()
 
 
-def _cell(value: Number) -> Number | str:
+def _cell(value: MetricValue) -> MetricValue | str:
     return "" if value is None else value
 
 

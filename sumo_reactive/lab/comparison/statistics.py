@@ -22,7 +22,7 @@ MIN_EXACT = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Interval:
+class ConfidenceInterval:
     """Limits of a mean at 95 %; `method` is "BCa", or "percentile" where the former is not defined."""
 
     low: float
@@ -43,7 +43,7 @@ class PairedDifference:
     first: float
     second: float
     difference: float
-    interval: Interval | None
+    interval: ConfidenceInterval | None
 
 
 def paired_difference(pairs: Sequence[tuple[float, float]]) -> PairedDifference | None:
@@ -58,16 +58,16 @@ def paired_difference(pairs: Sequence[tuple[float, float]]) -> PairedDifference 
     )
 
 
-def interval_of(differences: Sequence[float]) -> Interval | None:
+def interval_of(differences: Sequence[float]) -> ConfidenceInterval | None:
     """Return the bootstrap interval of a mean (Efron 1987, BCa; percentile where BCa is not defined); None for n = 1."""
     if len(differences) < MIN_EXACT:
         return None
     if len(set(differences)) == 1:
-        return Interval(differences[0], differences[0], "percentile")
+        return ConfidenceInterval(differences[0], differences[0], "percentile")
     for method in ("BCa", "percentile"):
         low, high = _limits(differences, method)
         if math.isfinite(low) and math.isfinite(high):
-            return Interval(low, high, method)
+            return ConfidenceInterval(low, high, method)
     return None
 
 

@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.lab.metric_names import event_key
 from sumo_reactive.lab.metrics.moment import Figures, Moment
 
-STANDING_SPEED = 0.1
+STANDSTILL_SPEED = 0.1
 """m/s; slower is standing, as SUMO counts it."""
 
 TURN_S = 1.0
@@ -52,14 +52,14 @@ class Comfort:
         since, before = self._headings[0]
         turn = (step.heading - before + math.pi) % (2.0 * math.pi) - math.pi
         yaw_rate = turn / (step.time - since) if step.time > since else 0.0
-        sine = yaw_rate * self._wheelbase / step.speed if step.speed >= STANDING_SPEED else 0.0
+        sine = yaw_rate * self._wheelbase / step.speed if step.speed >= STANDSTILL_SPEED else 0.0
         return math.asin(min(1.0, max(-1.0, sine)))
 
     def _spend(self, moment: Moment) -> None:
         step, duration, acceleration = moment.step, moment.duration, moment.acceleration
         self._highest = max(self._highest, acceleration)
         self._lowest = min(self._lowest, acceleration)
-        self._standing += duration if step.speed < STANDING_SPEED else 0.0
+        self._standing += duration if step.speed < STANDSTILL_SPEED else 0.0
         self._off_road += 0.0 if step.lane_id else duration
         self._emergency_time += duration if step.emergency else 0.0
         if self._before == self._before:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.lab.metrics.moment import Figures, Moment
 from sumo_reactive.lab.result import Collision, HardBrake
@@ -118,8 +119,6 @@ def _gap(user: RoadUser, x: float, y: float, heading: float, size: tuple[float, 
     return max(0.0, ahead)
 
 
-Array = NDArray[np.float64]
-
 NO_ENCOUNTER_S = 10.0
 """Longer times are no encounter."""
 
@@ -145,7 +144,7 @@ class PostEncroachment:
     def __init__(self, length: float, width: float) -> None:
         self._size = (length, width)
         self._ego: list[tuple[float, ...]] = []
-        self._others: list[tuple[float, Array]] = []
+        self._others: list[tuple[float, Floats]] = []
 
     def see(self, moment: Moment) -> None:
         """Keep the boxes."""
@@ -164,16 +163,16 @@ class PostEncroachment:
         return {"min_post_encroachment_s": round(smallest, 3) if smallest < NO_ENCOUNTER_S else None}
 
 
-def _moving(boxes: list[tuple[float, Array]]) -> Array:
+def _moving(boxes: list[tuple[float, Floats]]) -> Floats:
     """Return (n, 7): time, front x, y, heading, length, width, 0 of the moving among boxes by time."""
     times = np.repeat([time for time, _ in boxes], [len(some) for _, some in boxes])
     all_of_them = np.concatenate([some for _, some in boxes])
     x, y, heading, speed, length, width = all_of_them.T
-    rows: Array = np.column_stack((times, x, y, heading, length, width, np.zeros(len(times))))[speed > MOVING_SPEED]
+    rows: Floats = np.column_stack((times, x, y, heading, length, width, np.zeros(len(times))))[speed > MOVING_SPEED]
     return rows
 
 
-def _on_the_way(ego: Array, others: Array) -> NDArray[np.bool_]:
+def _on_the_way(ego: Floats, others: Floats) -> NDArray[np.bool_]:
     """Return which of `others` (n, 7) come within a coarse cell of where the ego ever is with another heading."""
     around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
     keys = [_key(ego[:, 1] + i * FAR_CELL_M, ego[:, 2] + j * FAR_CELL_M, FAR_CELL_M) for i, j in around]
@@ -189,17 +188,17 @@ def _on_the_way(ego: Array, others: Array) -> NDArray[np.bool_]:
     return near
 
 
-def _sector(heading: Array) -> NDArray[np.int64]:
+def _sector(heading: Floats) -> NDArray[np.int64]:
     """Return the bit of the sector, as wide as CROSSING_ANGLE, that holds each heading (rad)."""
     return np.left_shift(1, np.floor(heading % (2.0 * math.pi) / CROSSING_ANGLE).astype(np.int64))
 
 
-def _key(x: Array, y: Array, cell: float) -> NDArray[np.int64]:
+def _key(x: Floats, y: Floats, cell: float) -> NDArray[np.int64]:
     """Return one number for each cell of side `cell`."""
     return (np.floor(x / cell).astype(np.int64) << 32) + np.floor(y / cell).astype(np.int64)
 
 
-def _smallest(ego: Array, others: Array) -> float:
+def _smallest(ego: Floats, others: Floats) -> float:
     """Return the smallest time between ego and another in one cell, in either order, with crossing headings."""
     cells, rows = _covered(np.vstack([ego, others]))
     boxes = np.vstack([ego, others])[rows]
@@ -215,7 +214,7 @@ def _smallest(ego: Array, others: Array) -> float:
     return float(apart.min()) if len(apart) else math.inf
 
 
-def _covered(boxes: Array) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+def _covered(boxes: Floats) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
     """Return the cells that boxes (n, 7; the last column is −1 for the ego) cover, and the row of each."""
     keys, rows = [], []
     sizes, of_size = np.unique(boxes[:, 4:6], axis=0, return_inverse=True)
@@ -228,7 +227,7 @@ def _covered(boxes: Array) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
     return np.concatenate(keys), np.concatenate(rows)
 
 
-def _cells(boxes: Array, length: float, width: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _cells(boxes: Floats, length: float, width: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Return the cells around each of `boxes` of one size, shape (n, m), and which of them it covers."""
     c, s = np.cos(boxes[:, 3])[:, None], np.sin(boxes[:, 3])[:, None]
     mx, my = boxes[:, 1:2] - 0.5 * length * c, boxes[:, 2:3] - 0.5 * length * s

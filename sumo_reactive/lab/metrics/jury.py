@@ -9,7 +9,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
 from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
-from sumo_reactive.lab.metrics.rules import RedLights, RightOfWay
+from sumo_reactive.lab.metrics.rules import RedLights, RightOfWayViolations
 from sumo_reactive.lab.result import Collision, HardBrake, Violation
 
 
@@ -23,7 +23,7 @@ class Jury:
 
     def __init__(self, length_m: float, width_m: float, wheelbase_m: float, graph: RoadGraph | None = None) -> None:
         self._watch = Watch(length_m, width_m)
-        self._collisions, self._red_lights, self._right_of_way = Collisions(), RedLights(), RightOfWay(graph)
+        self._collisions, self._red_lights, self._right_of_way = Collisions(), RedLights(), RightOfWayViolations(graph)
         self._hard_braking, self._timing = HardBraking(), Timing()
         self._judges: tuple[_Judge, ...] = (
             self._collisions,

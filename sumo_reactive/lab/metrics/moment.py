@@ -8,13 +8,11 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.traffic import RoadUser
-
-Array = NDArray[np.float64]
 
 SHRINK_M = 0.05
 """Boxes are this much smaller on each side in the contact test: positions and mirrors are no more exact."""
@@ -27,7 +25,7 @@ SAME_VELOCITY = 1e-6
 
 
 @kernel
-def contacts(own: Array, boxes: Array) -> Array:
+def contacts(own: Floats, boxes: Floats) -> Floats:
     """Return (2, n): overlap (0 or 1) and time to collision (s, infinite: none) of box `own` (6,) with `boxes` (n, 6).
 
     Columns are front x, y, heading, speed, length, width (m, rad, m/s). Both bodies keep their velocities: they touch as
@@ -41,7 +39,7 @@ def contacts(own: Array, boxes: Array) -> Array:
 
 
 @kernel
-def _meeting(own: Array, other: Array) -> tuple[float, float]:
+def _meeting(own: Floats, other: Floats) -> tuple[float, float]:
     """Return what `contacts` does of one box: (overlap, time)."""
     dx, dy = _middle(other, 0) - _middle(own, 0), _middle(other, 1) - _middle(own, 1)
     vx = own[3] * math.cos(own[2]) - other[3] * math.cos(other[2])
@@ -63,14 +61,14 @@ def _meeting(own: Array, other: Array) -> tuple[float, float]:
 
 
 @kernel
-def _middle(box: Array, axis: int) -> float:
+def _middle(box: Floats, axis: int) -> float:
     """Return x (`axis` 0) or y (1) of the centre of a box, m."""
     along = math.cos(box[2]) if axis == 0 else math.sin(box[2])
     return float(box[axis] - 0.5 * box[4] * along)
 
 
 @kernel
-def _reach(box: Array, heading: float, shrink: float) -> float:
+def _reach(box: Floats, heading: float, shrink: float) -> float:
     """Return half the length (m) of the shadow of a box, `shrink` m smaller on each side, on an axis along `heading`."""
     turn = heading - box[2]
     length, width = max(box[4] - 2.0 * shrink, MIN_SIDE_M), max(box[5] - 2.0 * shrink, MIN_SIDE_M)
@@ -100,7 +98,7 @@ class Moment(NamedTuple):
     length: float
     width: float
     users: tuple[RoadUser, ...]
-    boxes: Array
+    boxes: Floats
     touching: frozenset[str]
     times_to_collision: Sequence[float]
     slowing: Mapping[str, float]
@@ -147,7 +145,7 @@ class Watch:
         return Moment(step, duration, acceleration, *size, near, boxes, touching, times, slowing, scene.crossed)
 
     def _contacts(
-        self, step: StepRecord, users: tuple[RoadUser, ...], boxes: Array
+        self, step: StepRecord, users: tuple[RoadUser, ...], boxes: Floats
     ) -> tuple[frozenset[str], Sequence[float]]:
         own = np.array([step.x, step.y, step.heading, step.speed, self._length, self._width])
         touches, times = contacts(own, boxes).tolist()
@@ -162,7 +160,7 @@ def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ..
     return tuple(near)
 
 
-def _boxes(users: tuple[RoadUser, ...]) -> Array:
+def _boxes(users: tuple[RoadUser, ...]) -> Floats:
     flat: list[float] = []
     for user in users:
         body = user.body

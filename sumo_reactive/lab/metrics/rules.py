@@ -84,7 +84,7 @@ class _Suspicion(NamedTuple):
     speed: float = 0.0
 
 
-class RightOfWay:
+class RightOfWayViolations:
     """Counts users that the ego obstructs, each once per junction passage.
 
     A user is obstructed when all of this holds: the ego's box is inside a conflict region; the ego's connection yields to
@@ -199,7 +199,7 @@ def _braking_behind(moment: Moment, user: RoadUser) -> float:
 def _lost(graph: RoadGraph, own: Connection) -> Iterator[tuple[ConflictRegion, Connection]]:
     """Yield the regions on `own` where another connection goes first, with that connection."""
     rule = graph.junctions[own.junction_id].right_of_way
-    for region in graph.regions.get(own.id, ()):
+    for region in graph.regions_on(own):
         other = graph.connections.get(region.other_id)
         if other and rule.must_yield(own.index, other.index) and not rule.must_yield(other.index, own.index):
             yield region, other

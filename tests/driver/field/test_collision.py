@@ -9,7 +9,7 @@ from helpers.cars import CAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.driver.field.collision import braking_collides, moved
+from sumo_reactive.driver.field.collision import braking_collides, foreseen_pose
 from sumo_reactive.driver.geometry.footprint import Footprint, boxes_overlap
 
 boxes = st.tuples(st.floats(-6, 6), st.floats(-6, 6), st.floats(-4, 4), st.floats(0.5, 12), st.floats(0.3, 3))
@@ -96,7 +96,7 @@ def test_a_car_that_comes_round_a_bend_beside_the_ego_is_not_met():
 @given(st.floats(0.0, 20.0), st.floats(-1.5, 1.5), st.floats(0.0, 0.7), st.floats(-3.0, 3.0))
 def test_a_turning_box_stays_on_its_circle(speed, turn, time, heading):
     box = np.array((2.0 * math.cos(heading), 2.0 * math.sin(heading), heading, speed, 4.0, 1.8, turn))
-    x, y, after = moved(box, time, turn)
+    x, y, after = foreseen_pose(box, time, turn)
     assume(abs(turn) > 0.01)
     radius = speed / turn
     cx, cy = -radius * math.sin(heading), radius * math.cos(heading)

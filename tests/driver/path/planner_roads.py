@@ -13,7 +13,7 @@ from sumo_reactive.driver.path.planner import PlanStart
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection, Control, Turn
 from sumo_reactive.driver.world.lane import Lane
-from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.driver.world.road_graph import RoadGraph, arcs_of
 
 WIDTH = 3.2
 CAR = VehicleLimits(
@@ -46,7 +46,6 @@ def graph(
     """Return the road graph with a connection per (from lane, to lane); `bends` gives inner points of its path."""
     lanes = {lane.id: lane for lanes in roads for lane in lanes}
     connections = {}
-    inner: dict[str, Connection] = {}
     for number, (a, b) in enumerate(links):
         start, end = lanes[a].spine.points[-1], lanes[b].spine.points[0]
         between = (bends or {}).get(a, [])
@@ -55,14 +54,9 @@ def graph(
         path = Polyline(np.vstack([start, *between, end]))
         part = Lane(f":J{number}_0", f":J{number}", 0, path, path.length, WIDTH, 13.9, lanes[b].allowed, True)
         connection = Connection(f"{a}->{b}", f"J{number}", 0, a, b, (part.id,), path, Turn.STRAIGHT, Control.MAJOR)
-        connections[connection.id], lanes[part.id], inner[part.id] = connection, part, connection
-    outgoing: dict[str, tuple[Connection, ...]] = {}
-    incoming: dict[str, tuple[Connection, ...]] = {}
-    for connection in connections.values():
-        outgoing[connection.from_lane] = (*outgoing.get(connection.from_lane, ()), connection)
-        incoming[connection.to_lane] = (*incoming.get(connection.to_lane, ()), connection)
+        connections[connection.id], lanes[part.id] = connection, part
     edges = {group[0].edge_id: group for group in roads}
-    return RoadGraph(lanes, edges, {}, connections, outgoing, incoming, inner, {}, {}, False)
+    return RoadGraph(lanes, edges, {}, connections, {}, arcs_of(connections, ()), {}, False)
 
 
 def start_on(lane: Lane, position: float, speed: float = 10.0, offset: float = 0.0, route_index: int = 0) -> PlanStart:

@@ -8,7 +8,7 @@ from helpers.cars import CAR
 from helpers.curves import on_curve, plan_along, seen, straight
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.assessment import Assessment, Outcome
+from sumo_reactive.driver.nouns.assessment import Assessment, PlanOutcome
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.forecast import Forecast
@@ -48,7 +48,7 @@ def crosser(meeting_x: float, away: float, speed: float, name: str = "x") -> For
 def test_a_collision_is_foreseen_with_its_user_its_time_and_its_place():
     """His front reaches the ego's side at y = −0.9 m after 3.82 s; the ego's front his side at x = 49 m after 3.9 s."""
     found = going_on(crosser(50.0, 20.0, 5.0))
-    assert found.outcome is Outcome.FAILURE
+    assert found.outcome is PlanOutcome.FAILURE
     assert found.encounter.user_id == "x"
     assert found.encounter.time == pytest.approx(104.0, abs=0.1)
     assert (found.encounter.s, found.encounter.x, found.encounter.y) == pytest.approx((50.0, 50.0, 0.0), abs=0.6)
@@ -56,12 +56,12 @@ def test_a_collision_is_foreseen_with_its_user_its_time_and_its_place():
 
 @pytest.mark.parametrize(("away", "speed"), [(27.0, 5.0), (8.0, 5.0)], ids=["behind the ego", "before the ego"])
 def test_who_crosses_at_another_time_is_no_failure(away, speed):
-    assert going_on(crosser(50.0, away, speed)).outcome is not Outcome.FAILURE
+    assert going_on(crosser(50.0, away, speed)).outcome is not PlanOutcome.FAILURE
 
 
 def test_who_is_met_only_after_the_assessed_time_is_no_failure():
     """The ego is at x = 150 m after 14 s."""
-    assert going_on(crosser(150.0, 70.0, 5.0)).outcome is not Outcome.FAILURE
+    assert going_on(crosser(150.0, 70.0, 5.0)).outcome is not PlanOutcome.FAILURE
 
 
 def test_the_first_encounter_counts():
@@ -76,34 +76,34 @@ def test_somebody_who_comes_towards_the_ego_is_a_failure():
 
 
 def test_somebody_who_comes_on_the_other_lane_is_no_failure():
-    assert going_on(forecast_of(("x", 110.0, 3.2, math.pi, 10.0))).outcome is not Outcome.FAILURE
+    assert going_on(forecast_of(("x", 110.0, 3.2, math.pi, 10.0))).outcome is not PlanOutcome.FAILURE
 
 
 def test_a_stop_that_nothing_can_put_off_is_taken_into_account():
     stop = stop_at(40.0, Reason.RED_LIGHT)
-    assert going_on(crosser(50.0, 20.0, 5.0), stop=stop).outcome is not Outcome.FAILURE
+    assert going_on(crosser(50.0, 20.0, 5.0), stop=stop).outcome is not PlanOutcome.FAILURE
 
 
 def test_who_is_trusted_to_yield_is_not_counted():
-    assert going_on(crosser(50.0, 20.0, 5.0), trusted={"x"}).outcome is not Outcome.FAILURE
+    assert going_on(crosser(50.0, 20.0, 5.0), trusted={"x"}).outcome is not PlanOutcome.FAILURE
     both = forecast_of(("x", 50.0, -20.0, NORTH, 5.0), ("y", 50.0, 20.0, -NORTH, 5.0))
     assert going_on(both, trusted={"x"}).encounter.user_id == "y"
 
 
 def test_who_follows_behind_has_to_look_out_himself():
-    assert going_on(forecast_of(("x", 1.0, 0.0, EAST, 20.0))).outcome is not Outcome.FAILURE
+    assert going_on(forecast_of(("x", 1.0, 0.0, EAST, 20.0))).outcome is not PlanOutcome.FAILURE
 
 
 def test_both_branches_of_an_unknown_route_are_looked_at():
     """An oncoming car that may turn left across the ego's way."""
     ego = before("four_way_priority", ("from_west", "to_east"), 20.0, 10.0)
 
-    def outcome(*route: str) -> Outcome:
+    def outcome(*route: str) -> PlanOutcome:
         return ego.considered(ego.other("x", "from_east_0", -11.0, 8.0, route)).assessment.outcome
 
-    assert outcome("from_east", "to_west") is not Outcome.FAILURE
-    assert outcome("from_east", "to_south") is Outcome.FAILURE
-    assert outcome() is Outcome.FAILURE
+    assert outcome("from_east", "to_west") is not PlanOutcome.FAILURE
+    assert outcome("from_east", "to_south") is PlanOutcome.FAILURE
+    assert outcome() is PlanOutcome.FAILURE
 
 
 # --- degraded ---------------------------------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ def lateness_behind(speed: float) -> float:
 
 def test_alone_on_schedule_the_plan_is_fine(country):
     found = country.considered().assessment
-    assert found.outcome is Outcome.FINE
+    assert found.outcome is PlanOutcome.FINE
     assert found.encounter is None
     assert found.lateness < 1.5
 
@@ -135,13 +135,13 @@ def test_a_slow_leader_makes_the_ego_later_by_what_it_loses_behind_him(country):
     settled = CAR.standstill_gap + CAR.time_headway * 8.5
     found = country.considered(country.ahead("x", settled, 8.5)).assessment
     assert found.lateness == pytest.approx(lateness_behind(8.5), abs=0.3)
-    assert found.outcome is Outcome.FINE
+    assert found.outcome is PlanOutcome.FINE
 
 
 def test_a_delay_that_becomes_excessive_behind_a_slow_leader_degrades_the_plan(country):
     assert 3.0 + lateness_behind(8.5) > USUAL.excessive_delay_s
     found = country.late_by(3.0).considered(country.ahead("x", 10.5, 8.5)).assessment
-    assert found.outcome is Outcome.DEGRADED
+    assert found.outcome is PlanOutcome.DEGRADED
     assert found.lateness == pytest.approx(3.0 + lateness_behind(8.5), abs=0.3)
     assert found.lateness > USUAL.excessive_delay_s
 
@@ -149,7 +149,7 @@ def test_a_delay_that_becomes_excessive_behind_a_slow_leader_degrades_the_plan(c
 def test_a_collision_weighs_more_than_a_delay():
     ego = before("four_way_priority", ("from_west", "to_east"), 20.0, 10.0).late_by(20.0)
     found = ego.considered(ego.other("x", "from_east_0", -11.0, 8.0, ("from_east", "to_south"))).assessment
-    assert found.outcome is Outcome.FAILURE
+    assert found.outcome is PlanOutcome.FAILURE
     assert found.lateness > USUAL.excessive_delay_s
 
 

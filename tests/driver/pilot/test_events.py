@@ -6,12 +6,13 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, before
 
-from sumo_reactive.driver.controller import Controller, Profile, Step, passages_ahead
+from sumo_reactive.driver.controller import Controller, Profile, Step
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.pilot import notice
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.route import ScheduledStop
 
 SOUTH_NORTH, WEST_EAST = ("from_south", "to_north"), ("from_west", "to_east")
@@ -36,7 +37,7 @@ def events_after(ego, first, users=(), lights=None, time=NEXT, **memory) -> tupl
     drive = first.drive
     changed = drive.memory._replace(**memory)
     snapshot = ego.seen(*users, lights=lights)._replace(time=time)
-    ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    ahead = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
     return detect(snapshot, ego.plan, ahead, drive.completed, notice(snapshot, changed), no_command=False)
 
 
@@ -71,7 +72,7 @@ def test_a_new_nominal_plan_is_an_event(alone):
     first = alone.step()
     assert kinds([first]) == [EventKind.NEW_PLAN]
     other = before("multi_lane_road", ROAD, 380.0, 15.0)
-    ahead = passages_ahead(alone.graph, other.plan, first.snapshot.passages)
+    ahead = passages_ahead(alone.graph, other.plan, alone.limits, first.snapshot.passages)
     found = detect(first.snapshot, other.plan, ahead, first.completed, first.drive.memory, no_command=False)
     assert found == (Event(EventKind.NEW_PLAN),)
 
@@ -167,7 +168,7 @@ def test_a_delay_is_an_event_each_time_that_it_has_grown_by_the_step(alone):
 
 def test_the_executors_feedback_that_no_command_was_admissible_is_an_event(alone):
     first = alone.step()
-    ahead = passages_ahead(alone.graph, alone.plan, first.snapshot.passages)
+    ahead = passages_ahead(alone.graph, alone.plan, alone.limits, first.snapshot.passages)
     found = detect(first.snapshot, alone.plan, ahead, first.completed, first.drive.memory, no_command=True)
     assert found == (Event(EventKind.NO_COMMAND),)
 

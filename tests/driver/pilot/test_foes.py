@@ -9,7 +9,6 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.traffic import Body
@@ -17,6 +16,7 @@ from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
 from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, HESITATION_S, ZIPPER_LEAD_M
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind, Interval
 
@@ -32,7 +32,7 @@ def rules(ego: Situation, change: Change, control: Control = Control.MINOR, ligh
     """What the highway code asks for with each foe that is seen changed so."""
     snapshot = ego.seen(FOE, lights=lights)
     snapshot = snapshot._replace(foes=tuple(map(change, snapshot.foes)))
-    seen = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    seen = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
     ahead = tuple((i, replace(connection, control=control), conflicts) for i, connection, conflicts in seen)
     return ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)[0]
 
@@ -86,7 +86,7 @@ def test_a_pedestrian_beside_a_crossing_with_a_light_walks_at_green(letter, walk
     snapshot = ego.seen(foe, lights={"centre": "G" * 12})
     change = walks(3.0, 1.0, must_yield=False)
     snapshot = snapshot._replace(foes=tuple(map(change, snapshot.foes)), lights={"centre": letters})
-    ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    ahead = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
     found, _ = ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)
     assert ("x" in found.judged) is walks_on
 
@@ -157,7 +157,7 @@ def test_between_paths_that_yield_to_each_other_the_higher_letter_goes_first(own
     snapshot = ego.seen(foe, lights={"centre": letters})
     change = comes(20.0, 15.0, 8.0, must_yield=True, is_yielded_to=True)
     snapshot = snapshot._replace(foes=(change(crosser),))
-    ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    ahead = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
     found, _ = ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)
     assert reason(found) is LETTERS[own, theirs]
 

@@ -12,7 +12,7 @@ from helpers.curves import on_curve, plan_along, seen, straight
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.nouns.assessment import Assessment, Outcome
+from sumo_reactive.driver.nouns.assessment import Assessment, PlanOutcome
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.forecast import Forecast
@@ -20,7 +20,7 @@ from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.pilot.assessment import assess
-from sumo_reactive.driver.pilot.behaviours.overtaking import Passing, carry_on
+from sumo_reactive.driver.pilot.behaviours.overtaking import OvertakingStep, carry_on
 from sumo_reactive.driver.pilot.manoeuvre import proof
 from sumo_reactive.driver.view.foresee import NOBODY
 
@@ -49,7 +49,7 @@ def going_on(forecast=NOBODY, speed=10.0, stop=None, x=None) -> Assessment:
 
 
 def fails(found: Assessment) -> bool:
-    return found.outcome is Outcome.FAILURE
+    return found.outcome is PlanOutcome.FAILURE
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def test_a_way_past_somebody_leads_so_far_aside_and_back_at(ego, gap, speed, by,
     assert told == pytest.approx(expected, abs=0.01)
 
 
-def on_the_way_past(x_ahead: float, *others: RoadUser, back: float = 100.0) -> Passing:
+def on_the_way_past(x_ahead: float, *others: RoadUser, back: float = 100.0) -> OvertakingStep:
     """What an ego 2.5 m beside its lane does that passes X, whose rear is `x_ahead` m before its bumper."""
     ego = passing(back)
     return carry_on(ego.considered(ego.ahead("x", x_ahead, 8.5), *others, sight=600.0), ego.memory.overtaking)
@@ -161,11 +161,11 @@ def passing(back: float = 100.0) -> Situation:
     return before("two_way_road", COUNTRY, 600.0, 15.0, to_left=2.5, aside=aside).passing("x")
 
 
-def returns(found: Passing) -> bool:
+def returns(found: OvertakingStep) -> bool:
     return found.overtaking.instruction is Instruction.RETURN
 
 
-def falls_back(found: Passing) -> bool:
+def falls_back(found: OvertakingStep) -> bool:
     return found.overtaking.instruction is Instruction.FALL_BACK
 
 

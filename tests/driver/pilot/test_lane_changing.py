@@ -7,7 +7,7 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Reason
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
@@ -70,7 +70,8 @@ def test_a_change_that_has_just_begun_is_called_off_when_its_gap_has_closed(ahea
     completed = ego.step(beside(ego, 200.0, ahead)).completed
     assert (completed.request.what, completed.request.change_lane) == (Replanning.CURVE, 0)
     assert completed.stop is None
-    assert [d.cause for d in completed.decisions if d.reason is Reason.GAP_CLOSED] == ["x"]
+    (decision,) = (one for one in completed.decisions if one.reason is Reason.GAP_CLOSED)
+    assert (decision.behaviour, decision.cause) == (Behaviour.CHANGING_LANES, "x")
 
 
 @pytest.mark.parametrize("ahead", [-40.0, 40.0])

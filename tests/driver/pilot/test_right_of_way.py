@@ -234,7 +234,7 @@ def test_the_ego_never_comes_to_a_stop_in_a_region_that_others_cross(route, posi
     """It ends up either before the line or with its rear out of the last region, wherever the queue behind ends."""
     ego = before("four_way_priority", route, 25.0, 8.0)
     end = ego.driven(14.0, ego.other("queue", f"{route[1]}_0", position, 0.0, (route[1],), 20.0))[-1]
-    crossed = [r.own.end for r in ego.graph.regions[ego.connection.id] if r.kind is ConflictKind.CROSSING]
+    crossed = [r.own.end for r in ego.graph.regions_on(ego.connection) if r.kind is ConflictKind.CROSSING]
     passage = ego.plan.passages[0]
     scale = (passage.end - passage.start) / ego.connection.path.length
     assert end.drive.ego.speed < 0.05

@@ -9,7 +9,6 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.driver.nouns.plan import PlannedStop
@@ -20,6 +19,7 @@ from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
+from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.route import ScheduledStop
 
 SOUTH_NORTH, WEST_EAST = ("from_south", "to_north"), ("from_west", "to_east")
@@ -32,7 +32,7 @@ ego_at = cache(before)
 
 def asked(ego: Situation, snapshot: Snapshot, change: TimeConstraint | None = None, **connection) -> Rules:
     """What the highway code asks for, the connection of the passage changed."""
-    seen = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    seen = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
     ahead = tuple((i, replace(one, **connection), conflicts) for i, one, conflicts in seen)
     return ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, change, ego.memory)[0]
 
@@ -131,7 +131,7 @@ def test_the_ego_holds_the_regions_that_its_body_is_in(place):
     ego = before("four_way_priority", SOUTH_NORTH, 12.0, 6.0)
     snapshot, passage = ego.seen(), ego.plan.passages[0]
     scale = (passage.end - passage.start) / ego.connection.path.length
-    regions = ego.graph.regions[ego.connection.id]
+    regions = ego.graph.regions_on(ego.connection)
     front = {"before": snapshot.front, "inside": passage.start + 8.0, "behind": passage.end + CAR.length + 0.5}[place]
     moved = snapshot._replace(front=front, s=front - CAR.front_overhang)
     held = {one.region for one in asked(ego, moved).regions if one.occupancy is Occupancy.OWN}
@@ -174,6 +174,6 @@ def moved_stop(away: float, speed: float, behind_line: float) -> float | None:
 def test_a_stop_inside_a_junction_is_made_before_its_line_where_planned_braking_can():
     clear = turns_at(lambda m: moved_stop(20.0, 5.0, m) == 0.0, 1.0, 40.0)
     ego = ego_at("four_way_priority", SOUTH_NORTH, 20.0, 5.0)
-    assert clear == pytest.approx(max(r.own.end for r in ego.graph.regions[ego.connection.id]) + CAR.length, abs=3.0)
+    assert clear == pytest.approx(max(r.own.end for r in ego.graph.regions_on(ego.connection)) + CAR.length, abs=3.0)
     holds = lambda m: moved_stop(m, 6.0, 10.0) == 0.0  # noqa: E731
     assert turns_at(holds, 1.0, 20.0) == pytest.approx(36.0 / 6.0 + HARD_STOP_MARGIN_M, abs=0.01)

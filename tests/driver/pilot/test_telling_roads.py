@@ -348,7 +348,7 @@ stop at -205.00 BLOCKED x
 looks 600.00
 tuned 10.00 1.00 1.00
 NORMAL passes FOLLOWS x
-STOPPING because BLOCKED x
+BACKING_UP because BLOCKED x
 0 regions
 DEGRADED late 7.12 for 0.00
 rests on x for 0.40 is_standing is_watchful asks
@@ -407,7 +407,7 @@ CHANGING_LANES: STOP, YIELD
 stop at -20.28 NO_GAP road_before_exit_0 beside
 from -60.28 NO_GAP behind before
 tuned 10.00 1.00 1.00
-STOPPING because NO_GAP road_before_exit_0 beside
+CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FINE late 0.84 for 0.00
 rests on for 0.40 is_standing is_seeking is_watchful asks
@@ -421,7 +421,7 @@ stop at -20.29 NO_GAP road_before_exit_0 beside
 from -22.29 NO_GAP behind before
 asks for ROUTE 0 0
 tuned 10.00 1.00 1.00
-STOPPING because NO_GAP road_before_exit_0 beside
+CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FAILURE late 0.98 for 0.00
 meets beside at 103.20 -11.41 584.70 93.76
@@ -446,7 +446,7 @@ delay 0.00 on 100.00 0 serves until 104.00
 TURNING_ROUND: TURN_ROUND, DRIVE
 moves 1 0.60 0.90
 tuned 10.00 1.00 1.00
-CROSSING passes NARROW_TURN 2 moves
+TURNING_ROUND passes NARROW_TURN 2 moves
 0 regions
 FINE late 0.90 for 0.00
 rests on for inf is_standing asks halts
@@ -458,7 +458,7 @@ delay 0.00 on 100.00 0 move (0, 0)
 TURNING_ROUND: STOP, YIELD
 stop at -292.00 NARROW_TURN
 tuned 10.00 1.00 1.00
-CAUTIOUS because NARROW_TURN
+TURNING_ROUND because NARROW_TURN
 0 regions
 FINE late 0.61 for 0.00
 rests on for inf asks halts

@@ -1,9 +1,14 @@
 """Which behaviour may follow which: the table is closed, and everything in it can be reached (F&L 1991, §2)."""
 
+from pathlib import Path
+
 import pytest
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
+from sumo_reactive.driver.pilot import behaviours
+from sumo_reactive.driver.pilot.rules.highway_code import decision_of
 from sumo_reactive.driver.pilot.transitions import RULES, TRANSITIONS, next_behaviour
 from sumo_reactive.driver.world.route import ScheduledStop
 
@@ -14,6 +19,23 @@ SOUTH_NORTH = ("from_south", "to_north")
 def test_every_behaviour_has_one_rule_and_one_row():
     assert set(RULES) == set(TRANSITIONS) == set(Behaviour)
     assert all(rule.behaviour is behaviour for behaviour, rule in RULES.items())
+
+
+def test_every_behaviour_has_a_file_of_its_name():
+    files = {file.stem for file in Path(behaviours.__file__).parent.glob("*.py")} - {"__init__"}
+    assert files == {behaviour.name.lower() for behaviour in Behaviour}
+
+
+@pytest.mark.parametrize(
+    ("reason", "behaviour"),
+    [
+        (Reason.NO_GAP, Behaviour.CHANGING_LANES), (Reason.QUEUE_CHANGE, Behaviour.CHANGING_QUEUES),
+        (Reason.NARROW_TURN, Behaviour.TURNING_ROUND), (Reason.COMES_OVER, Behaviour.TURNING_ROUND),
+        (Reason.SCHEDULED_STOP, Behaviour.STOPPING), (Reason.YIELD_TO, Behaviour.CAUTIOUS),
+    ],
+)  # fmt: skip
+def test_a_stop_is_decided_by_the_behaviour_that_asks_for_it(reason, behaviour):
+    assert decision_of(stop_at(10.0, reason)).behaviour is behaviour
 
 
 def test_the_table_leads_to_behaviours_only_and_never_to_itself():

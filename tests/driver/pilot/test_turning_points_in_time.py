@@ -9,7 +9,6 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.controller import passages_ahead
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
@@ -29,6 +28,7 @@ from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.pilot import confirm, may_confirm, notice
 from sumo_reactive.driver.pilot.rules.region import ENTERING_M
 from sumo_reactive.driver.pilot.situation import LaneChanging
+from sumo_reactive.driver.view.ahead import passages_ahead
 
 SOUTH_NORTH, WEST_EAST, STREET = ("from_south", "to_north"), ("from_west", "to_east"), ("eastbound", "eastbound_out")
 ROAD = ("road_before_exit", "road_after_exit")
@@ -57,7 +57,7 @@ def events(ego: Situation, snapshot: Snapshot, *users: RoadUser, **remembered) -
     """The kinds of what has happened since that step; what is not asked for is remembered so that nothing is due."""
     held, memory = first(ego, *users)
     patient = {"progress_time": snapshot.time, "delay": 1e4, **remembered}
-    ahead = passages_ahead(ego.graph, ego.plan, snapshot.passages)
+    ahead = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
     return [one.kind for one in detect(snapshot, ego.plan, ahead, held, memory._replace(**patient), no_command=False)]
 
 
@@ -238,7 +238,7 @@ def test_a_decision_is_confirmed_while_the_code_asks_a_moving_ego_for_the_same()
     foe = ego.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
     held, memory = first(ego, foe)
     later = ego.seen(ego.later(foe, 0.4))._replace(time=100.4)
-    view = view_of(later, ego.plan, CAR, passages_ahead(ego.graph, ego.plan, later.passages))
+    view = view_of(later, ego.plan, CAR, passages_ahead(ego.graph, ego.plan, ego.limits, later.passages))
     found = confirm(view, held, memory)
     assert found is not None and found.premises is not None and memory.premises is not None
     assert (found.premises.time, found.premises.trusted_until) == pytest.approx((100.4, 100.4 + USUAL.trust_s))

@@ -10,7 +10,7 @@ from helpers.situations import before
 from sumo_reactive.driver.controller import Controller, replanned
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import stop_at
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Reason
 from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, WHEELS_TURNED_RAD, Move, Turnaround
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import USUAL
@@ -101,7 +101,8 @@ def test_an_ego_that_is_kept_from_a_move_for_long_goes_on_in_one_sweep():
     asked = [step.completed for step in steps if step.completed.request.what is Replanning.CURVE]
     assert asked
     assert not asked[0].request.onto
-    assert any(decision.reason is Reason.NO_PROGRESS for decision in asked[0].decisions)
+    (decision,) = (one for one in asked[0].decisions if one.reason is Reason.NO_PROGRESS)
+    assert decision.behaviour is Behaviour.TURNING_ROUND
 
 
 def test_who_comes_over_the_ground_is_let_pass_but_not_for_ever():

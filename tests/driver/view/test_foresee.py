@@ -40,7 +40,7 @@ def test_who_tells_his_route_has_one_path_that_follows_it(ego):
 
 def test_an_unknown_route_has_a_path_for_each_way_out(ego):
     forecast = foresee(ego.graph, (ego.other("x", LANE, -20.0, 8.0, ()),), SECONDS)
-    targets = {way.to_lane for way in ego.graph.outgoing[LANE] if way.to_lane in ego.graph.lanes and not way.is_crossing}
+    targets = {way.to_lane for way in ego.graph.ways_from(LANE) if way.to_lane in ego.graph.lanes and not way.is_crossing}
     assert len(targets) >= 3
     assert set(forecast.user_ids) == {"x"}
     reached = {min(targets, key=lambda t: math.dist(ego.graph.lanes[t].spine.points[-1], end)) for end in ends(forecast)}

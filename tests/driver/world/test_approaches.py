@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from sumo_reactive.driver.world.road_graph import Approach, approaches_to
+from sumo_reactive.driver.world.approaches import Approach, approaches_to
 
 
 @dataclass

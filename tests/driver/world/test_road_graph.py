@@ -1,10 +1,12 @@
 """The labelled oriented graph W (F&L 1991, §2)."""
 
+from dataclasses import replace
+
 import pytest
 from world_pieces import connection, junction, lane
 
 from sumo_reactive.driver.world.regions import conflict_regions
-from sumo_reactive.driver.world.road_graph import Arc, ArcLabel, RoadGraph
+from sumo_reactive.driver.world.road_graph import ArcLabel, RoadGraph, arcs_of, walk
 
 EAST = connection("w_0->e_0", [(-8, 0), (8, 0)], 0)
 NORTH = connection("s_0->n_0", [(1, -8), (1, 8)], 1)
@@ -13,15 +15,15 @@ NORTH = connection("s_0->n_0", [(1, -8), (1, 8)], 1)
 def graph(left_hand: bool = False) -> RoadGraph:
     place = junction(EAST, NORTH, foes=[(0, 1)])
     lanes = {name: lane(name) for name in ("w_0", "w_1", "w_2", "e_0", ":j_0_0")}
+    connections = {EAST.id: EAST, NORTH.id: NORTH}
+    regions = {region.id: region for region in conflict_regions([EAST], place)[EAST.id]}
     return RoadGraph(
         lanes=lanes,
         edge_lanes={"w": (lanes["w_0"], lanes["w_1"], lanes["w_2"]), "e": (lanes["e_0"],)},
         junctions={"j": place},
-        connections={EAST.id: EAST, NORTH.id: NORTH},
-        outgoing={"w_0": (EAST,)},
-        incoming={"e_0": (EAST,)},
-        connection_of={":j_0_0": EAST},
-        regions=conflict_regions([EAST], place),
+        connections=connections,
+        regions=regions,
+        arcs=arcs_of(connections, regions.values()),
         opposite={},
         left_hand=left_hand,
     )
@@ -47,31 +49,57 @@ def test_an_internal_lane_has_no_neighbours():
 
 
 def test_lanes_that_follow_each_other_are_joined():
-    arcs = set(graph().arcs())
-    assert Arc("w_0", ":j_0_0", ArcLabel.FOLLOWS) in arcs
-    assert Arc(":j_0_0", "e_0", ArcLabel.FOLLOWS) in arcs
+    assert graph().successors("w_0", ArcLabel.FOLLOWS) == [":j_0_0"]
+    assert graph().successors(":j_0_0", ArcLabel.FOLLOWS) == ["e_0"]
+    assert graph().ways_from("w_0") == graph().ways_into("e_0") == [EAST]
 
 
 def test_a_lane_enters_a_conflict_region_which_clears_into_a_post_conflict_region_that_leads_to_a_lane():
-    arcs = set(graph().arcs())
-    (region,) = graph().regions[EAST.id]
-    assert Arc("w_0", region.id, ArcLabel.ENTERS) in arcs
-    assert Arc(region.id, region.post.id, ArcLabel.CLEARS) in arcs
-    assert Arc(region.post.id, "e_0", ArcLabel.LEADS_TO) in arcs
+    (region,) = graph().regions.values()
+    assert graph().successors("w_0", ArcLabel.ENTERS) == [region.id]
+    assert graph().successors(region.id, ArcLabel.CLEARS) == [region.post.id]
+    assert graph().successors(region.post.id, ArcLabel.LEADS_TO) == ["e_0"]
+    assert graph().successors("e_0", ArcLabel.ENTERS) == ()
 
 
-def test_a_conflict_is_an_arc_both_ways():
-    arcs = set(graph().arcs())
-    (region,) = graph().regions[EAST.id]
-    assert Arc(region.id, NORTH.id, ArcLabel.CONFLICTS) in arcs
-    assert Arc(NORTH.id, region.id, ArcLabel.CONFLICTS) in arcs
+WHOLE = ("w_0", ":j_0_0", "e_0")
 
 
-def test_lanes_side_by_side_say_which_is_left():
-    arcs = set(graph().arcs())
-    assert Arc("w_1", "w_0", ArcLabel.LEFT_OF) in arcs
-    assert Arc("w_0", "w_1", ArcLabel.RIGHT_OF) in arcs
-    assert Arc("w_0", "w_1", ArcLabel.LEFT_OF) in set(graph(left_hand=True).arcs())
+@pytest.mark.parametrize("lanes", [WHOLE, ("w_1", *WHOLE), ("w_0", "e_0"), (":j_0_0", "e_0"), ("w_0", ":j_0_0")])
+def test_a_walk_along_lanes_passes_their_connection_once_with_its_regions(lanes):
+    world = graph()
+    assert list(walk(world, lanes)) == [(EAST, tuple(world.regions.values()))]
+
+
+@pytest.mark.parametrize("lanes", [(), ("w_0",), ("w_0", "w_1"), ("e_0",), ("s_0", "e_0")])
+def test_a_walk_that_passes_no_junction_finds_nothing(lanes):
+    assert list(walk(graph(), lanes)) == []
+
+
+@pytest.mark.parametrize("label", [ArcLabel.ENTERS, ArcLabel.CLEARS, ArcLabel.LEADS_TO])
+def test_without_an_arc_the_region_behind_it_is_not_found(label):
+    world = graph()
+    (arc,) = (arc for arc in world.arcs if arc.label is label)
+    cut = replace(world, arcs=tuple(one for one in world.arcs if one is not arc))
+    assert list(walk(cut, WHOLE)) == [(EAST, ())]
+
+
+@pytest.mark.parametrize("source", ["w_0", ":j_0_0"])
+def test_where_no_lane_follows_the_walk_passes_nothing(source):
+    world = graph()
+    cut = replace(world, arcs=tuple(one for one in world.arcs if (one.source, one.label) != (source, ArcLabel.FOLLOWS)))
+    assert list(walk(cut, WHOLE)) == []
+
+
+def test_a_region_that_leads_elsewhere_is_not_on_the_way():
+    turn = connection("w_0->n_0", [(-8, 0), (1, 0), (1, 8)], 2)
+    place = junction(EAST, NORTH, turn, foes=[(0, 1), (2, 1)])
+    found = conflict_regions([EAST, turn], place)
+    connections = {one.id: one for one in place.connections}
+    regions = {region.id: region for on_one in found.values() for region in on_one}
+    world = replace(graph(), connections=connections, regions=regions, arcs=arcs_of(connections, regions.values()))
+    assert list(walk(world, ("w_0", ":j_2_0", "n_0"))) == [(turn, found[turn.id])]
+    assert list(walk(world, WHOLE)) == [(EAST, found[EAST.id])]
 
 
 def test_who_yields_is_known_only_between_connections_with_a_row():

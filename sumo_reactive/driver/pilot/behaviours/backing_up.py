@@ -59,20 +59,16 @@ def escape(situation: Situation) -> Escape | None:
     if x is not None and _is_too_near(situation, x):
         place = x.start - situation.limits.parameters.halted_room_m
         stop = stop_at(place, Reason.BLOCKED, cause=x.user.id)
-        return Escape(_decision(Reason.BLOCKED, x.user.id), Instruction.BACK_UP, stop)
+        return Escape(Decision(Behaviour.BACKING_UP, Reason.BLOCKED, cause=x.user.id), Instruction.BACK_UP, stop)
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
         return None
     if x is not None and x.start - situation.snapshot.front < situation.limits.parameters.halted_room_m + 1.0:
-        return Escape(_decision(Reason.BLOCKED, x.user.id))
-    decision = _decision(Reason.NO_PROGRESS, "")
+        return Escape(Decision(Behaviour.STOPPING, Reason.BLOCKED, cause=x.user.id))
+    decision = Decision(Behaviour.STOPPING, Reason.NO_PROGRESS)
     if situation.memory.escapes % 2 == 0:
         return Escape(decision, replanning=Replanning.CURVE if due else Replanning.NOTHING)
     return Escape(decision, Instruction.WIDEN)
-
-
-def _decision(reason: Reason, cause: str) -> Decision:
-    return Decision(Behaviour.STOPPING, reason, cause=cause)
 
 
 def _has_right(situation: Situation, x: PathObstacle | None) -> bool:
@@ -128,9 +124,9 @@ def has_room(situation: Situation) -> bool:
     return not is_too_near(situation)
 
 
-def back_up(situation: Situation) -> Instruction:
+def reverse(situation: Situation) -> Instruction:
     """Back up at walking speed."""
     return Instruction.BACK_UP
 
 
-RULE = BehaviourRule(Behaviour.BACKING_UP, (is_too_near,), back_up, (has_room,))
+RULE = BehaviourRule(Behaviour.BACKING_UP, (is_too_near,), reverse, (has_room,))

@@ -30,7 +30,7 @@ def _is_ahead(situation: Situation, reach: float) -> bool:
 
 
 def approach(situation: Situation) -> Instruction:
-    """Approach, ready to stop; stop where light, sign, region or the room behind it ask for it."""
+    """Approach, ready to stop; stop where light, sign, region, the room behind it or a turn in several moves ask for it."""
     return Instruction.APPROACH if situation.stop is None else Instruction.STOP
 
 

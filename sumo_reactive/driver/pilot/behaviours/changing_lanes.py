@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sumo_reactive.driver.nouns.constraint import stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import (
     CALL_OFF_SHARE,
     LANE_CHANGE_CLEARANCE_M,
@@ -13,6 +13,7 @@ from sumo_reactive.driver.nouns.plan import (
 )
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
+from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -22,7 +23,7 @@ MIN_LANE_CHANGE_LENGTH_M = 12.0
 """Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
 
 
-def pending(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
+def pending_change(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     """Return the next lane change if it is time to seek a gap for it."""
     if not plan.lane_changes:
         return None
@@ -49,7 +50,7 @@ def seeks(snapshot: Snapshot, plan: NominalPlan) -> bool:
     """Whether it is time to seek a gap on the lane beside, or to see that it stays open."""
     if snapshot.off_tracking is not None or not plan.lane_changes:
         return snapshot.off_tracking is not None
-    return pending(snapshot, plan) is not None or just_begun(snapshot, plan) is not None
+    return pending_change(snapshot, plan) is not None or just_begun(snapshot, plan) is not None
 
 
 def _horizon(snapshot: Snapshot) -> float:
@@ -67,10 +68,10 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     begun = just_begun(snapshot, plan)
     if begun is not None:
         return _called_off(snapshot, plan, begun, limits)
-    change = pending(snapshot, plan)
+    change = pending_change(snapshot, plan)
     if change is None:
         aside = snapshot.off_tracking
-        return LaneChanging() if aside is None else _before_cut(snapshot, aside, plan, limits, waited)
+        return LaneChanging() if aside is None else _before_off_tracking(snapshot, aside, plan, limits, waited)
     left, p = change.start - snapshot.front, limits.parameters
     pressing = max(p.urgent_m, p.urgent_s * snapshot.ego.speed)
     urgency = min(1.0, max(0.0, 1.0 - left / pressing))
@@ -91,7 +92,7 @@ def _called_off(snapshot: Snapshot, plan: NominalPlan, begun: LaneChange, limits
     blocker = next((n.user.id for n in closing if not leaves_gap(n, snapshot.ego.speed, limits, 1.0)), "")
     if not blocker or not _may_wait(snapshot, plan, limits):
         return LaneChanging()
-    why = Decision(Behaviour.NORMAL, Reason.GAP_CLOSED, begun.to_lane, blocker)
+    why = Decision(Behaviour.CHANGING_LANES, Reason.GAP_CLOSED, begun.to_lane, blocker)
     return LaneChanging(why=why, calls_off=True)
 
 
@@ -105,19 +106,19 @@ def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> b
     return last - snapshot.front > snapshot.ego.speed**2 / (2.0 * limits.comfort_deceleration)
 
 
-def _before_cut(
-    snapshot: Snapshot, cut: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
+def _before_off_tracking(
+    snapshot: Snapshot, place: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
 ) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
-    left, speed = cut.start - snapshot.front, snapshot.ego.speed
+    left, speed = place.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
         return LaneChanging()
-    pace = min(max(speed, CREEPING_SPEED), plan.road_speed(cut.start))
-    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.cut_patience_s, 1.0)
+    pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
+    time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.off_tracking_patience_s, 1.0)
     for neighbour in snapshot.neighbours:
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
-            return LaneChanging(stop=stop_at(cut.start, Reason.NO_GAP, region=cut.lane_id, cause=neighbour.user.id))
+            return LaneChanging(stop=stop_at(place.start, Reason.NO_GAP, region=place.lane_id, cause=neighbour.user.id))
     return LaneChanging()
 
 
@@ -172,11 +173,6 @@ def is_sought(situation: Situation) -> bool:
 def is_done(situation: Situation) -> bool:
     """No change of lanes is in reach any more."""
     return not is_sought(situation)
-
-
-def follow_curve(situation: Situation) -> Instruction:
-    """Follow C, which makes the change where the gap is; without one, stop where C would begin it."""
-    return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
 
 
 RULE = BehaviourRule(Behaviour.CHANGING_LANES, (is_sought,), follow_curve, (is_done,))

@@ -11,7 +11,8 @@ from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.parameters import Parameters
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, follow_curve, leaves_gap, pending
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, leaves_gap, pending_change
+from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.lights import letter_of
@@ -128,7 +129,7 @@ def _next_way(snapshot: Snapshot, ways: tuple[Crossing, ...]) -> Crossing | None
 def _is_free_to_choose(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> bool:
     """Whether the ego is settled on its lane, and no other manoeuvre is under way or due."""
     under_way = memory.overtaking is not None or plan.aside is not None or snapshot.s < plan.joins
-    return not under_way and pending(snapshot, plan) is None
+    return not under_way and pending_change(snapshot, plan) is None
 
 
 def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, limits: VehicleLimits) -> LaneChanging:
@@ -137,7 +138,7 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)
     needed = SWING_OUT_M + speed * speed / (2.0 * limits.comfort_deceleration)
     if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
-        why = Decision(Behaviour.NORMAL, Reason.HELD_UP, way.to_lane, cause.user.id, passes=True)
+        why = Decision(Behaviour.CHANGING_QUEUES, Reason.QUEUE_CHANGE, way.to_lane, cause.user.id, passes=True)
         return LaneChanging(way.side, why=why)
     place = x - limits.parameters.halted_room_m
     nearest = snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
@@ -146,14 +147,14 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     place = max(place, nearest + (_CREEPING_ROOM_M if speed > STANDING_SPEED else 0.0))
     if place == math.inf:
         return LaneChanging()
-    return LaneChanging(stop=stop_at(place, Reason.HELD_UP, way.to_lane, cause.user.id))
+    return LaneChanging(stop=stop_at(place, Reason.QUEUE_CHANGE, way.to_lane, cause.user.id))
 
 
 def is_worth_it(situation: Situation) -> bool:
     """The queue is held up, and a lane beside leads on as well and is over sooner."""
     changing = situation.changing
     reasons = (changing.why and changing.why.reason, changing.stop and changing.stop.reason)
-    return Reason.HELD_UP in reasons
+    return Reason.QUEUE_CHANGE in reasons
 
 
 def is_not_worth_it(situation: Situation) -> bool:

@@ -8,7 +8,7 @@ from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 
 def follow_curve(situation: Situation) -> Instruction:
-    """Follow C; at the end of another behaviour's stop, stop there."""
+    """Follow C; stop where another behaviour's stop still is, or where a change of lanes has no gap."""
     return Instruction.FOLLOW_CURVE if situation.stop is None else Instruction.STOP
 
 

@@ -97,7 +97,7 @@ RULE = BehaviourRule(
 )
 
 
-class Passing(NamedTuple):
+class OvertakingStep(NamedTuple):
     """What overtaking asks for now: the manoeuvre as it stands, a new way `aside` (None with `replans`: back to C), a
     speed not to exceed (m/s), and why."""
 
@@ -118,39 +118,39 @@ def try_out(situation: Situation) -> Proof | None:
     return proof(situation, x)
 
 
-def begin(situation: Situation) -> Passing | None:
+def begin(situation: Situation) -> OvertakingStep | None:
     """Pull out: the way aside that the proof found."""
     x, found = situation.ahead_of_ego, situation.proof
     if x is None or found is None or found.aside is None:
         return None
     overtaking = Overtaking(x.user.id, situation.snapshot.time, Instruction.OVERTAKE)
-    return Passing(overtaking, replans=True, aside=found.aside, reason=Reason.SLOW_AHEAD, cause=x.user.id)
+    return OvertakingStep(overtaking, replans=True, aside=found.aside, reason=Reason.SLOW_AHEAD, cause=x.user.id)
 
 
-def carry_on(situation: Situation, overtaking: Overtaking) -> Passing:
+def carry_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
     """Pass X, and come back; if the proof no longer holds, fall back behind X."""
     plan, snapshot = situation.plan, situation.snapshot
     way = plan.aside
     if overtaking.instruction is not Instruction.OVERTAKE or way is None:
-        return Passing(overtaking)
+        return OvertakingStep(overtaking)
     coming_back = overtaking._replace(instruction=Instruction.RETURN)
     if snapshot.s >= way.back:
-        return Passing(coming_back)
+        return OvertakingStep(coming_back)
     x = find(situation, overtaking.user_id)
     if x is None or is_clear_of(situation, x):
         beside = in_the_way_back(situation, way)
         if not beside:
-            return Passing(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
+            return OvertakingStep(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
         overtaking, x = overtaking._replace(user_id=beside), find(situation, beside)
         if x is None:
-            return Passing(coming_back)
+            return OvertakingStep(coming_back)
     lane = lane_in_use(situation, way.lateral)
     found = prove(situation, x, way.lateral, lane, legal_end(situation, x, lane), under_way(situation.limits.parameters))
     if found.aside is not None:
         moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
-        return Passing(overtaking, replans=moved, aside=found.aside)
+        return OvertakingStep(overtaking, replans=moved, aside=found.aside)
     if lane is not None and not lane.is_oncoming and _is_over(situation, x):
-        return Passing(overtaking)  # the lane beside is the ego's by now: who follows there follows it
+        return OvertakingStep(overtaking)  # the lane beside is the ego's by now: who follows there follows it
     return _fall_back(situation, overtaking, x, found)
 
 
@@ -160,11 +160,12 @@ def _is_over(situation: Situation, x: Passed) -> bool:
     return s > 0.5 * plan.joins or situation.snapshot.front > x.rear
 
 
-def _fall_back(situation: Situation, overtaking: Overtaking, x: Passed, found: Proof) -> Passing:
+def _fall_back(situation: Situation, overtaking: Overtaking, x: Passed, found: Proof) -> OvertakingStep:
     """Return behind X; beside it, slow down first, unless going on is only short of its margin."""
     falling = overtaking._replace(instruction=Instruction.FALL_BACK)
     if situation.snapshot.front < x.rear:
-        return Passing(falling, replans=True, reason=Reason.GAP_LOST, cause=found.obstacle)
+        return OvertakingStep(falling, replans=True, reason=Reason.GAP_LOST, cause=found.obstacle)
     if found.only_margin:
-        return Passing(overtaking)
-    return Passing(overtaking, top_speed=max(x.speed - FALL_BACK_BY, 0.0), reason=Reason.GAP_LOST, cause=found.obstacle)
+        return OvertakingStep(overtaking)
+    slower = max(x.speed - FALL_BACK_BY, 0.0)
+    return OvertakingStep(overtaking, top_speed=slower, reason=Reason.GAP_LOST, cause=found.obstacle)

@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.pilot.behaviours.cautious import approach
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import reach_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
@@ -65,7 +66,7 @@ def turn_round(
     turn, move = memory.move
     moves = plan.turnarounds[turn].moves
     if is_stuck:
-        decision = Decision(Behaviour.CROSSING, Reason.NO_PROGRESS, passes=True)
+        decision = Decision(Behaviour.TURNING_ROUND, Reason.NO_PROGRESS, passes=True)
         return Turning(moves[move], decision, Request(Replanning.CURVE), memory._replace(move=None))
     return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)
 
@@ -85,7 +86,7 @@ def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> T
     """Return the orders for a move of a turn; after the last one, at whose end the ego stands until then, for a curve from
     the lane turned into."""
     turn = plan.turnarounds[number]
-    decision = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
+    decision = Decision(Behaviour.TURNING_ROUND, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
     if move < len(turn.moves):
         return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
     after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
@@ -106,11 +107,6 @@ def is_near(situation: Situation) -> bool:
 def is_over(situation: Situation) -> bool:
     """No such turn is near any more."""
     return not is_near(situation)
-
-
-def approach(situation: Situation) -> Instruction:
-    """Come to a stand where the turn begins; its moves follow."""
-    return Instruction.APPROACH if situation.stop is None else Instruction.STOP
 
 
 RULE = BehaviourRule(Behaviour.TURNING_ROUND, (is_near,), approach, (is_over,))

@@ -165,13 +165,22 @@ def unconditional_stop(view: View, memory: PilotMemory) -> TimeConstraint | None
     return min((stop for stop in stops if stop is not None), key=lambda stop: stop.s, default=None)
 
 
-def nearest(waits: tuple[Wait, ...]) -> TimeConstraint | None:
+def nearest_stop(waits: tuple[Wait, ...]) -> TimeConstraint | None:
     """Return the first place to stop at."""
     return min((stop for stop, _ in waits), key=lambda stop: stop.s, default=None)
 
 
+_STOPS_OF = {
+    Reason.SCHEDULED_STOP: Behaviour.STOPPING,
+    Reason.BLOCKED: Behaviour.STOPPING,
+    Reason.NO_GAP: Behaviour.CHANGING_LANES,
+    Reason.QUEUE_CHANGE: Behaviour.CHANGING_QUEUES,
+    Reason.NARROW_TURN: Behaviour.TURNING_ROUND,
+    Reason.COMES_OVER: Behaviour.TURNING_ROUND,
+}
+"""The behaviours that ask for stops; all others are made on the approach to an intersection."""
+
+
 def decision_of(stop: TimeConstraint) -> Decision:
     """Return the decision that a stop stands for."""
-    at_location = stop.reason in (Reason.SCHEDULED_STOP, Reason.NO_GAP, Reason.HELD_UP, Reason.BLOCKED)
-    behaviour = Behaviour.STOPPING if at_location else Behaviour.CAUTIOUS
-    return Decision(behaviour, stop.reason, stop.region, stop.cause)
+    return Decision(_STOPS_OF.get(stop.reason, Behaviour.CAUTIOUS), stop.reason, stop.region, stop.cause)

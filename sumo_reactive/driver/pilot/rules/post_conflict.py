@@ -29,7 +29,7 @@ def is_clear_at(way: Crossing, conflicts: tuple[Conflict, ...], limits: VehicleL
 
     Of those that merge, only those whom the ego has to let go first count: the others wait for who stands there.
     """
-    ends = [c.region.own.end for c in conflicts if c.region.kind is ConflictKind.CROSSING or _merges_first(c)]
+    ends = [c.region.post.start for c in conflicts if c.region.kind is ConflictKind.CROSSING or _merges_first(c)]
     return way.at(max(ends)) + limits.length if ends else None
 
 

@@ -16,7 +16,7 @@ STOP_REACHED_M = 2.0
 """A stop counts as reached when the ego stands this close before it."""
 
 
-def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
+def pending_stop(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
     """Return the next scheduled stop that has not been served."""
     return next((planned for planned in plan.stops if planned.stop not in memory.served), None)
 
@@ -24,7 +24,7 @@ def pending(plan: NominalPlan, memory: PilotMemory) -> PlannedStop | None:
 def is_next(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory) -> bool:
     """Whether a stop of the route is in reach, and the ego comes to no line before it where somebody may cross its path or a
     light speaks."""
-    planned = pending(plan, memory)
+    planned = pending_stop(plan, memory)
     if planned is None or planned.s - snapshot.front > reach_of(snapshot):
         return False
     lines = (plan.passages[i].start for i, connection, conflicts in ahead if conflicts or connection.light)
@@ -42,7 +42,7 @@ def still_to_serve(plan: NominalPlan, memory: PilotMemory, time: float) -> tuple
 
 def serve(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> tuple[TimeConstraint | None, PilotMemory]:
     """Stop where the route says, stay for the duration and not before `until`, then go on."""
-    planned = pending(plan, memory)
+    planned = pending_stop(plan, memory)
     if planned is None:
         return None, memory
     stop = planned.stop

@@ -13,23 +13,23 @@ from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, cut
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-ABREAST_M = 2.8
+LATERAL_CONFLICT_M = 2.8
 """Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
 
 SIDE_BY_SIDE_ANGLE = 0.6
 """rad; paths from one road that meet at a smaller angle run beside each other."""
 
 
-class Abreast(NamedTuple):
-    """Traffic on `connection` drives abreast of the ego's; `way` is its path and the start of the lane behind it."""
+class LateralConflict(NamedTuple):
+    """Traffic on `connection` drives beside the ego's, too near; `way` is its path and the start of the lane behind it."""
 
     connection: Connection
     way: Polyline
 
 
 @kept(4096)
-def abreast_of(graph: RoadGraph, connection_id: str) -> tuple[Abreast, ...]:
-    """Return whose ways come nearer than ABREAST_M to the way of a connection, from other lanes of its road to other lanes.
+def lateral_conflicts(graph: RoadGraph, connection_id: str) -> tuple[LateralConflict, ...]:
+    """Return whose ways come nearer than LATERAL_CONFLICT_M to that of a connection, from and to other lanes of its road.
 
     Pairs that the network calls conflicting have rules; where it calls them free, SUMO's cars do not look at each other.
     """
@@ -41,8 +41,8 @@ def abreast_of(graph: RoadGraph, connection_id: str) -> tuple[Abreast, ...]:
         if declared or not _drives_beside(graph, own, other):
             continue
         way = _way(graph, other)
-        if _nearest(line, way) < ABREAST_M:
-            found.append(Abreast(other, Polyline(way)))
+        if _nearest(line, way) < LATERAL_CONFLICT_M:
+            found.append(LateralConflict(other, Polyline(way)))
     return tuple(found)
 
 

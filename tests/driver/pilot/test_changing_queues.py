@@ -97,8 +97,8 @@ STUCK = (queued(30.0), queued(22.0))
 def test_a_queue_that_is_held_up_is_left_for_a_lane_that_is_free():
     change = leaving(STUCK, ())
     assert change.side == WAY.side
-    assert (change.why.reason, change.why.region, change.why.cause) == (Reason.HELD_UP, WAY.to_lane, "x30")
-    assert change.why.passes and change.why.behaviour is Behaviour.NORMAL
+    assert (change.why.reason, change.why.region, change.why.cause) == (Reason.QUEUE_CHANGE, WAY.to_lane, "x30")
+    assert change.why.passes and change.why.behaviour is Behaviour.CHANGING_QUEUES
     assert change.stop is None
 
 
@@ -177,7 +177,7 @@ def test_without_a_gap_the_ego_keeps_room_behind_the_one_ahead():
     blocker = Neighbour(EGO.other("beside", "from_south_0", 20.0, 6.0, ()), -4.0)
     x = ahead_of(30.0)
     change = leaving(STUCK, (), near=(blocker,), users=(x,))
-    assert (change.side, change.stop.reason, change.stop.region) == (0, Reason.HELD_UP, WAY.to_lane)
+    assert (change.side, change.stop.reason, change.stop.region) == (0, Reason.QUEUE_CHANGE, WAY.to_lane)
     assert change.stop.cause == "x30"
     assert change.stop.s == pytest.approx(EGO.seen().front + 30.0 - USUAL.halted_room_m, abs=0.3)
     assert leaving(STUCK, (), near=(blocker,)) == LaneChanging()  # nobody ahead to keep room behind

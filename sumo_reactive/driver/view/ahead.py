@@ -1,0 +1,69 @@
+"""What lies ahead: found by walking the labelled oriented graph W along the lanes that C uses (F&L 1991, §2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from sumo_reactive.driver.ablation import Mechanism
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.snapshot import Conflict
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.lateral_conflict import SIDE_BY_SIDE_ANGLE
+from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
+from sumo_reactive.driver.world.road_graph import RoadGraph, walk
+
+
+@kept(PLANS_KEPT)
+def passages_ahead(
+    graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, sight: tuple[int, ...]
+) -> tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]:
+    """Return the passages in `sight` that the walk along C finds: index in the plan, connection, conflicts."""
+    found = _walked(graph, plan, limits)
+    return tuple((i, *found[i]) for i in sight if i in found)
+
+
+@kept(PLANS_KEPT)
+def _walked(
+    graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits
+) -> Mapping[int, tuple[Connection, tuple[Conflict, ...]]]:
+    """Walk along all of C and return the connections that it passes with the conflicts on them, by index in the plan."""
+    found: dict[int, tuple[Connection, tuple[Conflict, ...]]] = {}
+    numbers = iter(range(len(plan.passages)))
+    lanes = [segment.lane_id for segment in plan.segments] if limits.parameters.has(Mechanism.GRAPH) else []
+    for connection, regions in walk(graph, lanes):
+        number = next((i for i in numbers if plan.passages[i].connection_id == connection.id), None)
+        if number is not None:
+            found[number] = connection, conflicts_of(graph, connection, regions)
+    return found
+
+
+@kept(4096)
+def conflicts_of(graph: RoadGraph, own: Connection, regions: tuple[ConflictRegion, ...]) -> tuple[Conflict, ...]:
+    """Return the crossing and merging conflicts in the `regions` on a connection, in their order.
+
+    Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
+    drive side by side, and whoever reaches into the ego's corridor is a leader.
+    """
+    rules = graph.junctions[own.junction_id].right_of_way
+    found = []
+    for region in regions:
+        other = graph.connections[region.other_id]
+        if region.kind is ConflictKind.DIVERGING:
+            continue
+        yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
+        if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
+            found.append(Conflict(region, other, yields, yielded))
+    return tuple(found)
+
+
+def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:
+    """Whether two paths come from one road and run in about one direction where they meet."""
+    before, beside = graph.lanes.get(own.from_lane), graph.lanes.get(other.from_lane)
+    if before is None or beside is None or before.edge_id != beside.edge_id:
+        return False
+    along = own.path.heading_at(0.5 * (region.own.start + region.own.end))
+    across = other.path.heading_at(0.5 * (region.other.start + region.other.end))
+    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
