@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.lab.metric_names import METRICS, TIMINGS, event_key
@@ -17,44 +17,25 @@ Override = tuple[str, str, str]
 """Option, what the scenario says, what was used."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Harm:
-    """At `time` (s), to user `user_id`; `lane_id` is the ego's."""
-
-    time: float
-    user_id: str
-    lane_id: str
+COLLISION, HARD_BRAKING = "collision", "hard braking"
+"""Boxes overlapped from then on; somebody behind the ego began to brake hard because of it. All else breaks a rule."""
 
 
-class Collision(_Harm):
-    """The ego's box and another's overlapped from then on."""
-
-    def __str__(self) -> str:
-        return f"collision with {self.user_id} at {self.time:.1f} s"
-
-
-class HardBrake(_Harm):
-    """Somebody behind the ego began to brake hard because of it."""
-
-    def __str__(self) -> str:
-        return f"hard braking of {self.user_id} at {self.time:.1f} s"
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A rule that the ego broke at `time` (s): `kind` in words, `user_id` the one who suffered (empty: nobody)."""
+class Fault(NamedTuple):
+    """What the ego did to user `user_id` (empty: to nobody), or against a rule, at `time` (s), on its lane `lane_id`."""
 
     time: float
     kind: str
+    user_id: str
     lane_id: str
-    user_id: str = ""
+
+    @property
+    def what(self) -> str:
+        """What it was, in words."""
+        return f"{self.kind} {'with' if self.kind == COLLISION else 'of'} {self.user_id}" if self.user_id else self.kind
 
     def __str__(self) -> str:
-        return f"{self.kind}{f' of {self.user_id}' if self.user_id else ''} at {self.time:.1f} s"
-
-
-Fault = Collision | Violation | HardBrake
-"""What the ego did to somebody, or against a rule, at a time."""
+        return f"{self.what} at {self.time:.1f} s"
 
 
 @dataclass(frozen=True)
@@ -63,7 +44,7 @@ class TrialResult:
 
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
     120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
-    figures apart under `timing`. `recounts`: what was put right in SUMO's own outputs.
+    figures apart under `timing`. `faults` are in order of time. `recounts`: what was put right in SUMO's own outputs.
     """
 
     scenario: str
@@ -81,9 +62,7 @@ class TrialResult:
     distance_m: float
     figures: Mapping[str, float | int | None]
     timing: Mapping[str, float] = field(default_factory=dict)
-    collisions: tuple[Collision, ...] = ()
-    violations: tuple[Violation, ...] = ()
-    hard_brakes: tuple[HardBrake, ...] = ()
+    faults: tuple[Fault, ...] = ()
     overrides: tuple[Override, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     ghosts: int = 0
@@ -94,6 +73,21 @@ class TrialResult:
     def duration_s(self) -> float:
         """Time from departure to the end, s."""
         return self.end_s - self.departure_s
+
+    @property
+    def collisions(self) -> tuple[Fault, ...]:
+        """Whom the ego touched."""
+        return tuple(fault for fault in self.faults if fault.kind == COLLISION)
+
+    @property
+    def hard_brakes(self) -> tuple[Fault, ...]:
+        """Whom it made brake hard."""
+        return tuple(fault for fault in self.faults if fault.kind == HARD_BRAKING)
+
+    @property
+    def violations(self) -> tuple[Fault, ...]:
+        """Which rules it broke."""
+        return tuple(fault for fault in self.faults if fault.kind not in (COLLISION, HARD_BRAKING))
 
     @property
     def metrics(self) -> dict[str, float | int | None]:
@@ -169,9 +163,10 @@ def summary_of(result: TrialResult) -> dict[str, object]:
     plain = asdict(result)
     plain["overrides"] = overrides_of(result.overrides)
     plain["recounts"] = recounts_of(result.recounts)
-    plain["collisions"] = [_faulty(one) for one in plain["collisions"]]
-    plain["violations"] = [_faulty(one) for one in plain["violations"]]
-    plain["hard_brakes"] = [_faulty(one) for one in plain["hard_brakes"]]
+    del plain["faults"]
+    harms = {"collisions": result.collisions, "hard_brakes": result.hard_brakes}
+    plain |= {name: [_fault_line(one) for one in faults] for name, faults in harms.items()}
+    plain["violations"] = [_fault_line(one) | {"kind": one.kind} for one in result.violations]
     ends = {"duration_s": result.duration_s, "verdict": result.verdict, "exit_code": result.exit_code}
     return {name: _finite(value) for name, value in (ends | plain).items()}
 
@@ -207,8 +202,8 @@ def changed_rows(overrides: Iterable[Override], recounts: Iterable[Recount]) -> 
     return rows
 
 
-def _faulty(fault: dict[str, object]) -> dict[str, object]:
-    return {("time_s" if name == "time" else name): value for name, value in fault.items()}
+def _fault_line(fault: Fault) -> dict[str, object]:
+    return {"time_s": fault.time, "user_id": fault.user_id, "lane_id": fault.lane_id}
 
 
 def _finite(value: object) -> object:

@@ -221,8 +221,7 @@ class Simulation:
             step_length_s=self._session.step_length, profile=trip.profile, arrived=trip.arrived, ended=ended,
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
             distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
-            collisions=jury.collisions, violations=jury.violations, hard_brakes=jury.hard_brakes, overrides=overrides,
-            versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
+            faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
         ))  # fmt: skip
         if (survey := self._onlookers.survey) is not None:
             for graph in trip.graphs:

@@ -16,7 +16,7 @@ from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Int
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import OutputError, ScenarioError
 from sumo_reactive.lab.recorder import COLUMNS, Recorder
-from sumo_reactive.lab.result import Collision, TrialResult, Violation, rows_of
+from sumo_reactive.lab.result import COLLISION, Fault, TrialResult, rows_of
 from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
 
 
@@ -49,9 +49,9 @@ def recorded(folder, **options):
 
 def test_the_exit_code_and_the_verdict_follow_from_what_happened():
     assert (result().exit_code, result().verdict) == (0, "arrived without a violation")
-    hit = result(collisions=(Collision(41.3, "veh_12", "a_0"),))
+    hit = result(faults=(Fault(41.3, COLLISION, "veh_12", "a_0"),))
     assert (hit.exit_code, hit.verdict) == (1, "collision with veh_12 at 41.3 s")
-    assert result(violations=(Violation(3.0, "red light run", "a_0"),)).verdict == "red light run at 3.0 s"
+    assert result(faults=(Fault(3.0, "red light run", "", "a_0"),)).verdict == "red light run at 3.0 s"
     assert result(arrived=False, ended="until 60 s").verdict == "did not arrive (until 60 s)"
 
 

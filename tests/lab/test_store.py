@@ -13,7 +13,7 @@ from sumo_reactive.lab.batch.engine import Order
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.batch.trials import Departure, Trial
-from sumo_reactive.lab.result import HardBrake, TrialResult, Violation
+from sumo_reactive.lab.result import HARD_BRAKING, Fault, TrialResult
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Ending, Outcome, Task
 
@@ -65,12 +65,12 @@ def test_a_failure_is_a_row_that_can_be_forgotten(tmp_path):
 
 def test_what_fails_on_the_way_leaves_nothing_of_the_trial(tmp_path):
     one = trial(1)
-    broken = done(one, 10.0, hard_brakes=(HardBrake("no time", "other", "lane"),))
+    broken = done(one, 10.0, faults=(Fault("no time", HARD_BRAKING, "other", "lane"),))
     with Store(tmp_path / "s.duckdb") as store:
         with pytest.raises(StoreError):
             store.put(one, broken, 1)
         assert store.plan([one], []) == set()
-        store.put(one, done(one, 10.0, violations=(Violation(3.0, "red light", "lane"),)), 1)
+        store.put(one, done(one, 10.0, faults=(Fault(3.0, "red light", "", "lane"),)), 1)
     with duckdb.connect(str(tmp_path / "s.duckdb"), read_only=True) as database:
         assert database.execute("SELECT time_s, kind FROM events").fetchall() == [(3.0, "red light")]
         nothing = database.execute("SELECT value FROM metrics WHERE name = 'min_time_to_collision_s'").fetchall()

@@ -155,26 +155,16 @@ def _require_values(path: Path, database: duckdb.DuckDBPyConnection) -> None:
             raise StoreError(f"{path}: a damaged store: '{table}' has a row that no batch writes")
 
 
-COLLISION, HARD_BRAKING, EMERGENCY, DECISION = "collision", "hard braking", "emergency", "decision"
+EMERGENCY, DECISION = "emergency", "decision"
 
 EventRow = tuple[float, str, str, str, str | None]
-"""Time (s), kind (a violation's is its own), user concerned, lane of the ego, a decision's entry as in `decisions.jsonl`."""
+"""Time (s), kind (a fault's is its own), user concerned, lane of the ego, a decision's entry as in `decisions.jsonl`."""
 
 
 def events_of(outcome: Outcome) -> list[EventRow]:
     """Return the events of a trial in order of time."""
-    return sorted((*_faults(outcome), *_decisions(outcome)), key=lambda row: row[0])
-
-
-def _faults(outcome: Outcome) -> Iterator[EventRow]:
-    if outcome.result is None:
-        return
-    for collision in outcome.result.collisions:
-        yield collision.time, COLLISION, collision.user_id, collision.lane_id, None
-    for violation in outcome.result.violations:
-        yield violation.time, violation.kind, violation.user_id, violation.lane_id, None
-    for brake in outcome.result.hard_brakes:
-        yield brake.time, HARD_BRAKING, brake.user_id, brake.lane_id, None
+    faults = outcome.result.faults if outcome.result else ()
+    return sorted((*((*fault, None) for fault in faults), *_decisions(outcome)), key=lambda row: row[0])
 
 
 def _decisions(outcome: Outcome) -> Iterator[EventRow]:

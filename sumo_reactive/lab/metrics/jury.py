@@ -10,7 +10,7 @@ from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
 from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
 from sumo_reactive.lab.metrics.rules import RedLights, RightOfWay
-from sumo_reactive.lab.result import Collision, HardBrake, Violation
+from sumo_reactive.lab.result import Fault
 
 
 class _Judge(Protocol):
@@ -23,18 +23,10 @@ class Jury:
 
     def __init__(self, length_m: float, width_m: float, wheelbase_m: float, graph: RoadGraph | None = None) -> None:
         self._watch = Watch(length_m, width_m)
-        self._collisions, self._red_lights, self._right_of_way = Collisions(), RedLights(), RightOfWay(graph)
-        self._hard_braking, self._timing = HardBraking(), Timing()
-        self._judges: tuple[_Judge, ...] = (
-            self._collisions,
-            self._red_lights,
-            self._right_of_way,
-            TimeToCollision(),
-            PostEncroachment(length_m, width_m),
-            self._hard_braking,
-            Comfort(wheelbase_m),
-            PilotActivity(),
-        )
+        self._right_of_way, self._timing = RightOfWay(graph), Timing()
+        self._accusers = Collisions(), RedLights(), self._right_of_way, HardBraking()
+        watching = TimeToCollision(), PostEncroachment(length_m, width_m), Comfort(wheelbase_m), PilotActivity()
+        self._judges: tuple[_Judge, ...] = (*self._accusers, *watching)
 
     def enter(self, graph: RoadGraph) -> None:
         """Judge in the world around a new route from now on."""
@@ -56,17 +48,7 @@ class Jury:
         return self._timing.figures()
 
     @property
-    def collisions(self) -> tuple[Collision, ...]:
-        """Every collision, in order of time."""
-        return tuple(self._collisions.collisions)
-
-    @property
-    def hard_brakes(self) -> tuple[HardBrake, ...]:
-        """Every hard braking caused, in order of time."""
-        return tuple(self._hard_braking.hard_brakes)
-
-    @property
-    def violations(self) -> tuple[Violation, ...]:
-        """Red lights run and rights of way taken, in order of time."""
-        found = (*self._red_lights.violations, *self._right_of_way.violations)
-        return tuple(sorted(found, key=lambda violation: violation.time))
+    def faults(self) -> tuple[Fault, ...]:
+        """What the ego did to others and against rules, in order of time."""
+        found = (fault for judge in self._accusers for fault in judge.faults)
+        return tuple(sorted(found, key=lambda fault: fault.time))

@@ -15,7 +15,7 @@ from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.metrics.moment import Figures, Moment
-from sumo_reactive.lab.result import Violation
+from sumo_reactive.lab.result import Fault
 
 NO_GO = frozenset("rRu")
 """Red, and red with yellow; "s" (stop, then go) is not among them."""
@@ -28,16 +28,16 @@ class RedLights:
     """
 
     def __init__(self) -> None:
-        self.violations: list[Violation] = []
+        self.faults: list[Fault] = []
 
     def see(self, moment: Moment) -> None:
         """Note a crossing on red."""
         if moment.crossed and NO_GO.issuperset(moment.crossed):
-            self.violations.append(Violation(moment.step.time, "red light run", moment.step.lane_id))
+            self.faults.append(Fault(moment.step.time, "red light run", "", moment.step.lane_id))
 
     def figures(self) -> Figures:
         """Return the number of red lights run."""
-        return {"red_lights_run": len(self.violations)}
+        return {"red_lights_run": len(self.faults)}
 
 
 OBSTRUCTED_BRAKING = -3.0
@@ -78,7 +78,7 @@ class _Suspicion(NamedTuple):
     """That who brakes does so because the ego is in a region (`polygon`), which it has left at `left` (s, None: not yet),
     when he drove with `speed` (m/s)."""
 
-    violation: Violation
+    fault: Fault
     polygon: Points
     left: float | None = None
     speed: float = 0.0
@@ -97,7 +97,7 @@ class RightOfWay:
     """
 
     def __init__(self, graph: RoadGraph | None) -> None:
-        self._found: list[Violation] = []
+        self._found: list[Fault] = []
         self._suspicions: dict[str, _Suspicion] = {}
         self._graph = graph
         self._own: Connection | None = None
@@ -105,9 +105,9 @@ class RightOfWay:
         self._past: deque[tuple[float, dict[str, float]]] = deque()
 
     @property
-    def violations(self) -> tuple[Violation, ...]:
+    def faults(self) -> tuple[Fault, ...]:
         """Every user obstructed, those whose reason to brake the run has left open included."""
-        return (*self._found, *(suspicion.violation for suspicion in self._suspicions.values()))
+        return (*self._found, *(suspicion.fault for suspicion in self._suspicions.values()))
 
     def enter(self, graph: RoadGraph) -> None:
         """Judge in another world from now on."""
@@ -136,7 +136,7 @@ class RightOfWay:
 
     def figures(self) -> Figures:
         """Return the number of users obstructed; None where nobody knows the roads."""
-        return {"right_of_way_violations": None if self._graph is None else len(self.violations)}
+        return {"right_of_way_violations": None if self._graph is None else len(self.faults)}
 
     def _remember(self, moment: Moment) -> None:
         """Keep the speeds (m/s) of the last OBSTRUCTED_FOR_S, and of the step before."""
@@ -158,27 +158,27 @@ class RightOfWay:
         for name, suspicion in tuple(self._suspicions.items()):
             user = users.get(name)
             if user is None or user.speed <= OBSTRUCTED_SPEED:
-                self._found.append(self._suspicions.pop(name).violation)
+                self._found.append(self._suspicions.pop(name).fault)
             elif _covers(moment, suspicion.polygon):
                 self._suspicions[name] = suspicion._replace(left=None)
             elif suspicion.left is None and _braking_behind(moment, user) > FOLLOWS_BRAKING:
-                self._found.append(self._suspicions.pop(name).violation)
+                self._found.append(self._suspicions.pop(name).fault)
             elif suspicion.left is None:
                 self._suspicions[name] = suspicion._replace(left=now, speed=user.speed)
             elif now - suspicion.left >= GOES_ON_S - ROUNDING_S:
                 if (user.speed - suspicion.speed) / (now - suspicion.left) > GOES_ON_BRAKING:
-                    self._found.append(suspicion.violation)
+                    self._found.append(suspicion.fault)
                 del self._suspicions[name]
 
     def _judge(self, graph: RoadGraph, own: Connection, user: RoadUser, moment: Moment, *, is_certain: bool) -> None:
         for region, other in _lost(graph, own):
             if _claims(graph, other, region, user) and _covers(moment, region.polygon):
                 self._obstructed.add(user.id)
-                violation = Violation(moment.step.time, "right of way taken", moment.step.lane_id, user.id)
+                fault = Fault(moment.step.time, "right of way taken", user.id, moment.step.lane_id)
                 if is_certain:
-                    self._found.append(violation)
+                    self._found.append(fault)
                 else:
-                    self._suspicions[user.id] = _Suspicion(violation, region.polygon)
+                    self._suspicions[user.id] = _Suspicion(fault, region.polygon)
                 return
 
 
