@@ -113,10 +113,9 @@ def _drive(scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite
     drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)
     show: Callable[[Any, bool], None] = _show_several if rule else _show
     recorder: Any = (FleetRecorder if rule else Recorder)(out, overwrite=overwrite) if out else None
-    watched = {"observer": recorder.see, "survey": recorder.survey} if recorder else {}
     note_compiling()
     with progress_shown(quiet) as progress, crashes_told():
-        result: Any = drive(progress=progress, **watched)
+        result: Any = drive(observer=recorder.see if recorder else None, progress=progress)
     show(result, quiet)
     if recorder:
         with figures_kept(quiet, lambda: show(result, False)):

@@ -35,14 +35,13 @@ class WatchedTrip:
 
     distance = time_loss = stopped = 0.0
     ghosts_made = 0
-    graphs: tuple[RoadGraph, ...] = ()
 
     def __init__(self, session: Session, vehicle_id: str, net_file: Path) -> None:
         self._session, self._spectator = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)
         self.id, self.limits, self.profile = vehicle_id, self._spectator.limits, PROFILE
         self.departure, self.end = self._spectator.departure, session.time
         self.arrived, self.stuck = False, ""
-        self.judged_in: RoadGraph | None = None
+        self._world: RoadGraph | None = None
         self._moved = session.time
         self._route: tuple[str, ...] = ()
         self._net: NetFile | None = None
@@ -70,7 +69,7 @@ class WatchedTrip:
         own = view.own
         self._follow(own.route)
         record = StepRecord(self.end, own.x, own.y, own.heading, own.speed, own.lane_id)
-        return Scene(record, tuple(map(self._placed, view.others)), view.crossed)
+        return Scene(record, tuple(map(self._placed, view.others)), view.crossed, (), self.id, self._world)
 
     def arrive(self) -> bool:
         """Leave the arrival to SUMO."""
@@ -82,11 +81,11 @@ class WatchedTrip:
     def _follow(self, route: tuple[str, ...]) -> None:
         """Have it judged in the world around the edges that the vehicle has still to drive."""
         if self._net is not None and route and self._route[-len(route) :] != route:
-            self._route, self.judged_in = route, self._net.build(route)
+            self._route, self._world = route, self._net.build(route)
 
     def _placed(self, user: RoadUser) -> RoadUser:
         """Return a user with its position measured along the lane as the world has it, m."""
-        lane = self.judged_in.lanes.get(user.lane_id) if self.judged_in else None
+        lane = self._world.lanes.get(user.lane_id) if self._world else None
         return user if lane is None else user._replace(lane_position=user.lane_position * lane.scale)
 
 

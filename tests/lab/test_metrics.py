@@ -203,9 +203,9 @@ def _one_brakes(t, braking, route=("snin", "snout")):
         (2.0, 4.0, False, ("snin", "left"), 0),  # it turns off
     ],
 )
-def test_who_has_priority_and_must_brake_hard_is_obstructed(x, braking, mutual, route, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing(mutual))
-    drive(jury, lambda t: record(t, x=x, speed=1.0, lane_id=":j_0_0"), lambda t: _one_brakes(t, braking, route), 8)
+def test_who_has_priority_and_must_brake_hard_is_obstructed(jury, x, braking, mutual, route, violations):
+    ego, world = (lambda t: record(t, x=x, speed=1.0, lane_id=":j_0_0")), _crossing(mutual)
+    drive(jury, ego, lambda t: _one_brakes(t, braking, route), 8, world=world)
     assert len(violations_of(jury)) == violations
     assert [v.user_id for v in violations_of(jury)] == ["other"] * violations
 
@@ -219,9 +219,7 @@ def test_who_has_priority_and_must_brake_hard_is_obstructed(x, braking, mutual, 
         ((5.0, -17.0), 6.8, 4.0, 1),  # he brakes on behind the ego
     ],
 )
-def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_then, braking_then, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing())
-
+def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(jury, gone_to, speed_then, braking_then, violations):
     def ego(t):
         x, y = (2.0, 0.0) if t < 0.95 else gone_to
         return record(t, x=x, y=y, speed=1.0, lane_id=":j_0_0")
@@ -230,25 +228,25 @@ def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_th
         (other,) = _one_brakes(t, 4.0)
         return [other if t < 0.95 else other._replace(speed=max(speed_then - braking_then * (t - 0.9), 0.0))]
 
-    drive(jury, ego, one, 25)
+    drive(jury, ego, one, 25, world=_crossing())
     assert len(violations_of(jury)) == violations
 
 
 @pytest.mark.parametrize(("position", "speed", "violations"), [(2.0, 13.9, 0), (2.0, 10.0, 1), (25.0, 13.9, 1)])
-def test_who_comes_onto_a_slower_road_brakes_for_that(position, speed, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing())
+def test_who_comes_onto_a_slower_road_brakes_for_that(jury, position, speed, violations):
+    world = _crossing()
     one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=position, route=("snin", "snout"))
     for k in range(20):
         now = speed + 0.4 * max(10 - k, 0)  # −4 m/s² for a second
-        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=now),)))
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=now),), world=world))
     assert len(violations_of(jury)) == violations
 
 
 @pytest.mark.parametrize(("dip", "violations"), [(0.45, 0), (2.0, 1)])
-def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(dip, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing())
+def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(jury, dip, violations):
+    world = _crossing()
     one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=25.0, route=("snin", "snout"))
     for k in range(20):
         speed = 14.0 - dip * (k == 12)
-        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=speed),)))
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=speed),), world=world))
     assert len(violations_of(jury)) == violations

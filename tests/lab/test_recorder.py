@@ -77,9 +77,9 @@ def test_the_rows_tell_how_many_steps_needed_no_pilot():
 def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):
     waits = Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "decided", "veh_12")
     recorder = Recorder(tmp_path / "out")
-    recorder.see(Scene(record(0.0, decisions=(waits,)), ()))
-    recorder.see(Scene(record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),)), ()))
-    recorder.survey(world("decided", "claimed", "elsewhere"))
+    steps = record(0.0, decisions=(waits,)), record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),))
+    for step, known in zip(steps, (world("decided"), world("claimed", "elsewhere")), strict=True):
+        recorder.see(Scene(step, (), world=known))
     recorder.write(result())
     outlines = json.loads((tmp_path / "out" / "regions.json").read_text(encoding="utf-8"))
     square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.235]]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Protocol
 
 from sumo_reactive.driver.nouns.record import Scene
-from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
 from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
@@ -19,18 +18,15 @@ class _Judge(Protocol):
 
 
 class Jury:
-    """Judges a trip of an ego of the given size (m); without `graph` nobody judges the right of way."""
+    """Judges a trip of an ego of the given size (m)."""
 
-    def __init__(self, length_m: float, width_m: float, wheelbase_m: float, graph: RoadGraph | None = None) -> None:
-        self._watch = Watch(length_m, width_m)
-        self._right_of_way, self._timing = RightOfWay(graph), Timing()
-        self._accusers = Collisions(), RedLights(), self._right_of_way, HardBraking()
-        watching = TimeToCollision(), PostEncroachment(length_m, width_m), Comfort(wheelbase_m), PilotActivity()
-        self._judges: tuple[_Judge, ...] = (*self._accusers, *watching)
-
-    def enter(self, graph: RoadGraph) -> None:
-        """Judge in the world around a new route from now on."""
-        self._right_of_way.enter(graph)
+    def __init__(self, length_m: float, width_m: float, wheelbase_m: float) -> None:
+        self._watch, self._timing = Watch(length_m, width_m), Timing()
+        self._accusers = Collisions(), RedLights(), RightOfWay(), HardBraking()
+        how_near = TimeToCollision(), PostEncroachment(length_m, width_m)
+        self._judges: tuple[_Judge, ...] = (
+            *self._accusers[:-1], *how_near, self._accusers[-1], Comfort(wheelbase_m), PilotActivity(),
+        )  # fmt: skip
 
     def see(self, scene: Scene) -> None:
         """Judge one step."""

@@ -96,10 +96,10 @@ class RightOfWay:
     drives as fast as it allows.
     """
 
-    def __init__(self, graph: RoadGraph | None) -> None:
+    def __init__(self) -> None:
         self._found: list[Fault] = []
         self._suspicions: dict[str, _Suspicion] = {}
-        self._graph = graph
+        self._graph: RoadGraph | None = None
         self._own: Connection | None = None
         self._obstructed: set[str] = set()
         self._past: deque[tuple[float, dict[str, float]]] = deque()
@@ -109,18 +109,15 @@ class RightOfWay:
         """Every user obstructed, those whose reason to brake the run has left open included."""
         return (*self._found, *(suspicion.fault for suspicion in self._suspicions.values()))
 
-    def enter(self, graph: RoadGraph) -> None:
-        """Judge in another world from now on."""
-        self._graph = graph
-
     def see(self, moment: Moment) -> None:
         """Note who is newly obstructed."""
-        if self._graph is None:
+        self._graph = graph = moment.world
+        if graph is None:
             return
         self._remember(moment)
         if self._suspicions:
             self._review(moment)
-        own = self._graph.connection_of.get(moment.step.lane_id)
+        own = graph.connection_of.get(moment.step.lane_id)
         if own is not None and own is not self._own:
             self._own, self._obstructed = own, set()
         if self._own is None or not moment.users:
@@ -129,10 +126,10 @@ class RightOfWay:
             return
         for user, time in zip(moment.users, moment.times_to_collision, strict=True):
             brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
-            brakes = brakes and not _comes_onto_slower_road(self._graph, user)
+            brakes = brakes and not _comes_onto_slower_road(graph, user)
             suffers = brakes or time < NEAR_MISS_S
             if suffers and user.speed > OBSTRUCTED_SPEED and user.id not in self._obstructed:
-                self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
+                self._judge(graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
 
     def figures(self) -> Figures:
         """Return the number of users obstructed; None where nobody knows the roads."""
