@@ -8,7 +8,7 @@ import pytest
 from distributed import KilledWorker
 
 from sumo_reactive.errors import ClusterError, StoreError
-from sumo_reactive.lab.batch.cluster import Cluster
+from sumo_reactive.lab.batch.cluster import report_of
 from sumo_reactive.lab.batch.engine import Order
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
@@ -111,9 +111,9 @@ class Ended:
 
 def test_a_trial_whose_workers_die_is_a_row_and_a_lost_scheduler_an_error():
     order = Order(trial(1).task, 1.0, 0, "batch", "sources")
-    report = Cluster(None)._report(Ended("error", KilledWorker("task", None, 3)), order)
+    report = report_of(Ended("error", KilledWorker("task", None, 3)), order)
     assert (report.outcome.ending, report.attempts) == (Ending.CRASHED, 4)
     with pytest.raises(ClusterError, match="lost"):
-        Cluster(None)._report(Ended("lost"), order)
+        report_of(Ended("lost"), order)
     with pytest.raises(ClusterError, match="cannot run this package: ModuleNotFoundError"):
-        Cluster(None)._report(Ended("error", ModuleNotFoundError("sumo_reactive")), order)
+        report_of(Ended("error", ModuleNotFoundError("sumo_reactive")), order)

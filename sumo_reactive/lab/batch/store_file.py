@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Self
 
 import duckdb
 
@@ -72,7 +73,31 @@ _WRONG = {
 """Rows that no batch writes, by table."""
 
 
-def connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
+@contextmanager
+def told(path: Path) -> Iterator[None]:
+    """Turn an error of DuckDB, and what it cannot hand over, into one line."""
+    try:
+        yield
+    except StoreError:
+        raise
+    except InputError as error:
+        raise StoreError(str(error)) from error
+    except (duckdb.Error, OSError, MemoryError, OverflowError, ValueError) as error:
+        raise StoreError(f"{path}: {_line_of(str(error).replace(str(path), path.name))}") from error
+
+
+def _line_of(message: str) -> str:
+    first = " ".join(message.splitlines()[0].split()) if message else "unknown error"
+    if holder := re.search(r"lock is held.*?\(PID (\d+)\)", message):
+        return f"in use by process {holder[1]}: one batch at a time writes to a store"
+    if re.search(r"No space left|Disk quota|File too large|disk is full", message, re.IGNORECASE):
+        return f"no room to write: {first}; make room and run the batch again, finished trials are kept"
+    if "not a valid DuckDB" in message:
+        return "not the store of an experiment"
+    return f"cannot be used: {first}"
+
+
+def _connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
     """Open a store; a new one is made if `read_only` does not hold. Raises StoreError for whatever else there is."""
     is_new = not os.path.lexists(path)
     if is_new and read_only:
@@ -97,28 +122,30 @@ def connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duck
     return database
 
 
-@contextmanager
-def told(path: Path) -> Iterator[None]:
-    """Turn an error of DuckDB, and what it cannot hand over, into one line."""
-    try:
-        yield
-    except StoreError:
-        raise
-    except InputError as error:
-        raise StoreError(str(error)) from error
-    except (duckdb.Error, OSError, MemoryError, OverflowError, ValueError) as error:
-        raise StoreError(f"{path}: {_line_of(str(error).replace(str(path), path.name))}") from error
+class StoreFile:
+    """A store that is open; a context manager. Raises StoreError in one line for whatever goes wrong.
 
+    It gets at no file but the store and `files`.
+    """
 
-def _line_of(message: str) -> str:
-    first = " ".join(message.splitlines()[0].split()) if message else "unknown error"
-    if holder := re.search(r"lock is held.*?\(PID (\d+)\)", message):
-        return f"in use by process {holder[1]}: one batch at a time writes to a store"
-    if re.search(r"No space left|Disk quota|File too large|disk is full", message, re.IGNORECASE):
-        return f"no room to write: {first}; make room and run the batch again, finished trials are kept"
-    if "not a valid DuckDB" in message:
-        return "not the store of an experiment"
-    return f"cannot be used: {first}"
+    def __init__(self, path: Path, *, read_only: bool, files: Sequence[str] = ()) -> None:
+        self.path = path
+        self.database = _connected(path, read_only=read_only, files=files)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; what was put is there."""
+        self.database.close()
+
+    def rows(self, query: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
+        """Return what a query gives."""
+        with told(self.path):
+            return self.database.execute(query, list(values)).fetchall()
 
 
 def _require_no_code(path: Path, database: duckdb.DuckDBPyConnection) -> None:
