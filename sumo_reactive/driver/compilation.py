@@ -19,8 +19,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from sumo_reactive.driver.kernel_cache import KernelCache
-from sumo_reactive.driver.kernel_folder import VARIABLE, is_own, kernel_root, own_folder
+from sumo_reactive.driver.kernel_folder import VARIABLE, KernelCache, is_own, kernel_root, own_folder
 from sumo_reactive.driver.overrides import overrides
 
 Function = TypeVar("Function", bound=Callable[..., object])
