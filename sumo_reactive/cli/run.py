@@ -95,7 +95,7 @@ def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probabil
     """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
     from sumo_reactive.lab.egos import EgoRule
     from sumo_reactive.sumo.config import read_config
-    from sumo_reactive.sumo.devices import Equipment
+    from sumo_reactive.sumo.vehicle_type import Equipment
 
     if len(ids) > 1 or types or probability is not None:
         return EgoRule(tuple(ids), tuple(types), probability or 0.0)
@@ -156,6 +156,6 @@ def _show_several(fleet: FleetResult, quiet: bool) -> None:
         figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
         table.add_row(Text(result.ego), *figures, Text(verdict))
     Console(highlight=False, width=None if sys.stdout.isatty() else _PLAIN_WIDTH).print(table)
-    for label, text in changed_rows(fleet.overrides, fleet.recounts):
+    for label, text in changed_rows(fleet):
         typer.echo(f"{label}  {text}")
     typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")

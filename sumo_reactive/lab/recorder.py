@@ -20,7 +20,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.result import FleetResult, TrialResult, overrides_of, recounts_of, summary_of
+from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
 from sumo_reactive.lab.schema import Keys, Number, read_json
 from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
@@ -238,8 +238,7 @@ def fleet_summary(fleet: FleetResult, folder_of: Callable[[str], str]) -> dict[s
         "egos": [
             {"ego": one.ego, "folder": folder_of(one.ego), "verdict": one.verdict, **one.metrics} for one in fleet.results
         ],
-        "overrides": overrides_of(fleet.overrides),
-        "recounts": recounts_of(fleet.recounts),
+        **changes_of(fleet),
         "refused": [{"vehicle": name, "reason": reason} for name, reason in fleet.refused],
         "timing": {"ego_step_us": round(fleet.step_us, 1), "wall_s": round(fleet.wall_s, 2)},
     }

@@ -3,39 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from sumo_reactive.driver.nouns.event import EventKind
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.metric_names import METRICS, TIMINGS, event_key
 
 if TYPE_CHECKING:
+    from sumo_reactive.sumo.launch import OptionOverride
     from sumo_reactive.sumo.recount import Recount
-
-Override = tuple[str, str, str]
-"""Option, what the scenario says, what was used."""
-
-
-COLLISION, HARD_BRAKING = "collision", "hard braking"
-"""Boxes overlapped from then on; somebody behind the ego began to brake hard because of it. All else breaks a rule."""
-
-
-class Fault(NamedTuple):
-    """What the ego did to user `user_id` (empty: to nobody), or against a rule, at `time` (s), on its lane `lane_id`."""
-
-    time: float
-    kind: str
-    user_id: str
-    lane_id: str
-
-    @property
-    def what(self) -> str:
-        """What it was, in words."""
-        return f"{self.kind} {'with' if self.kind == COLLISION else 'of'} {self.user_id}" if self.user_id else self.kind
-
-    def __str__(self) -> str:
-        return f"{self.what} at {self.time:.1f} s"
 
 
 @dataclass(frozen=True)
@@ -63,7 +41,7 @@ class TrialResult:
     figures: Mapping[str, float | int | None]
     timing: Mapping[str, float] = field(default_factory=dict)
     faults: tuple[Fault, ...] = ()
-    overrides: tuple[Override, ...] = ()
+    overrides: tuple[OptionOverride, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     ghosts: int = 0
     stopped_s: float = 0.0
@@ -131,7 +109,7 @@ class FleetResult:
     until: float
     step_us: float
     wall_s: float
-    overrides: tuple[Override, ...] = ()
+    overrides: tuple[OptionOverride, ...] = ()
 
     @property
     def faulty(self) -> tuple[TrialResult, ...]:
@@ -161,8 +139,7 @@ _NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_
 def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
-    plain["overrides"] = overrides_of(result.overrides)
-    plain["recounts"] = recounts_of(result.recounts)
+    plain |= changes_of(result)
     del plain["faults"]
     harms = {"collisions": result.collisions, "hard_brakes": result.hard_brakes}
     plain |= {name: [_fault_line(one) for one in faults] for name, faults in harms.items()}
@@ -181,23 +158,21 @@ def rows_of(result: TrialResult) -> list[Row]:
     figures = {**result.metrics, **result.timing}
     shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
-    return [*rows, *changed_rows(result.overrides, result.recounts)]
+    return [*rows, *changed_rows(result)]
 
 
-def overrides_of(overrides: Iterable[Override]) -> list[dict[str, str]]:
-    """Return overrides as plain data."""
-    return [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in overrides]
+def changes_of(result: TrialResult | FleetResult) -> dict[str, list[dict[str, str]]]:
+    """Return what was changed in the scenario, and in SUMO's own outputs, as plain data."""
+    return {
+        "overrides": [one._asdict() for one in result.overrides],
+        "recounts": [one._asdict() for one in result.recounts],
+    }
 
 
-def recounts_of(recounts: Iterable[Recount]) -> list[dict[str, str]]:
-    """Return what was put right in SUMO's own outputs as plain data."""
-    return [one._asdict() for one in recounts]
-
-
-def changed_rows(overrides: Iterable[Override], recounts: Iterable[Recount]) -> list[Row]:
-    """Return what was changed in the scenario, and in SUMO's own outputs, as (label, text) rows."""
-    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in overrides]
-    for one in recounts:
+def changed_rows(result: TrialResult | FleetResult) -> list[Row]:
+    """Return the same as (label, text) rows."""
+    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in result.overrides]
+    for one in result.recounts:
         rows.append((" ".join(filter(None, (one.file, one.vehicle, one.attribute))), f"{one.sumo} → {one.used}".lstrip()))
     return rows
 

@@ -26,20 +26,20 @@ from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, Simulat
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.recorder import COLUMNS
-from sumo_reactive.lab.result import FleetResult, Override, TrialResult
+from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario, require_parameters
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
 from sumo_reactive.lab.task import Driver, Task
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.config import SumoConfig, read_config
-from sumo_reactive.sumo.devices import Equipment
 from sumo_reactive.sumo.ego import give_back
-from sumo_reactive.sumo.launch import chosen_step_length, passed_end, runnable_config, sumo_arguments
+from sumo_reactive.sumo.launch import OptionOverride, chosen_step_length, passed_end, runnable_config, sumo_arguments
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, sumo_version
+from sumo_reactive.sumo.vehicle_type import Equipment
 
 SceneObserver = Callable[[Scene], None]
 """Gets every scene of every ego."""
@@ -53,7 +53,7 @@ class Started(NamedTuple):
 
     session: Session
     config: SumoConfig
-    overrides: tuple[Override, ...]
+    overrides: tuple[OptionOverride, ...]
     begin: float
 
 

@@ -14,7 +14,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, SimulationError
 from sumo_reactive.lab.metrics.moment import JUDGED_REACH_M
 from sumo_reactive.lab.result import TrialResult
-from sumo_reactive.sumo.config import given_options
+from sumo_reactive.sumo.config import given_options, option_words
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.observed_vehicle import ObservedVehicle
 from sumo_reactive.sumo.outputs import AS_READ, trip_of
@@ -94,7 +94,7 @@ def trip_output(sumo_options: Sequence[str], folder: Path) -> tuple[list[str], P
     given = given_options(sumo_options)
     path = Path(given.get(TRIP_OUTPUT, folder / "trips.xml"))
     wanted = {TRIP_OUTPUT: str(path), f"{TRIP_OUTPUT}.write-unfinished": "true", **AS_READ}
-    return [word for name, value in wanted.items() if name not in given for word in (f"--{name}", value)], path
+    return option_words({name: value for name, value in wanted.items() if name not in given}), path
 
 
 def as_told(result: TrialResult, trips: Path) -> TrialResult:

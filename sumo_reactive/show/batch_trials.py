@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 from sumo_reactive.lab.batch.store_file import DECISION, EMERGENCY
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.result import Fault
 from sumo_reactive.lab.task import Driver, Ending
 from sumo_reactive.lab.trace import Entry, entry_of
 

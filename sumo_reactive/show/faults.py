@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Decision
 from sumo_reactive.lab.check import Verdict
-from sumo_reactive.lab.result import COLLISION, HARD_BRAKING, Fault
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.explain import decision_told, paragraph
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html, table

@@ -10,8 +10,8 @@ from typing import Any
 from urllib.parse import quote
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.recorder import FLEET, PAGE, read_fleet
-from sumo_reactive.lab.result import Fault
 from sumo_reactive.show import page as frame
 from sumo_reactive.show.batch_page import batch_page
 from sumo_reactive.show.explain import footer

@@ -17,7 +17,7 @@ from sumo_reactive.driver.geometry.polyline import moved_aside
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ReactiveError
-from sumo_reactive.lab.result import Fault
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.faults import fault_hover, hover_of

@@ -11,7 +11,7 @@ from plotly.graph_objects import Bar, Figure, Scatter
 from plotly.subplots import make_subplots
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.lab.result import Fault
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.faults import fault_hover, hover_of
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, FAULT, FRAME, SOFT, STOP

@@ -8,7 +8,7 @@ from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
-from sumo_reactive.lab.result import COLLISION, Fault
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trace import Entry

@@ -24,7 +24,8 @@ from sumo_reactive.lab.comparison.record import (
     rows_of,
     write,
 )
-from sumo_reactive.lab.result import COLLISION, Fault, TrialResult
+from sumo_reactive.lab.fault import COLLISION, Fault
+from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task

@@ -5,8 +5,8 @@ from helpers.results import result
 
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.lab.check import unmet
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.result import COLLISION, Fault
 from sumo_reactive.lab.scenario import Expectation, Limit
 
 CRASH = Fault(12.34, COLLISION, "veh_12", "a_0")

@@ -14,8 +14,8 @@ from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.lab.fault import HARD_BRAKING
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.result import HARD_BRAKING
 
 
 @pytest.fixture

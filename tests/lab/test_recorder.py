@@ -15,9 +15,11 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import OutputError, ScenarioError
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.recorder import COLUMNS, Recorder
-from sumo_reactive.lab.result import COLLISION, Fault, TrialResult, rows_of
+from sumo_reactive.lab.result import TrialResult, rows_of
 from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
+from sumo_reactive.sumo.launch import OptionOverride
 
 
 def result(**others):
@@ -56,7 +58,7 @@ def test_the_exit_code_and_the_verdict_follow_from_what_happened():
 
 
 def test_the_rows_name_verdict_and_overrides():
-    rows = dict(rows_of(result(overrides=(("random", "true", "false"),))))
+    rows = dict(rows_of(result(overrides=(OptionOverride("random", "true", "false"),))))
     assert rows["ego"] == "cab (as named)"
     assert rows["override random"] == "true → false"
 

@@ -13,7 +13,8 @@ from sumo_reactive.lab.batch.engine import Order
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.batch.trials import Departure, Trial
-from sumo_reactive.lab.result import HARD_BRAKING, Fault, TrialResult
+from sumo_reactive.lab.fault import HARD_BRAKING, Fault
+from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Ending, Outcome, Task
 

@@ -7,7 +7,7 @@ from helpers.stores import made_store, trial
 
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
-from sumo_reactive.lab.result import COLLISION, Fault
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.show.batch_figures import distribution_figure, scatter_figure
 from sumo_reactive.show.batch_page import batch_page, differences_table, pairs_by_group, short_names
 from sumo_reactive.show.batch_trials import happenings, pairs_of, trials_in, worst_of

@@ -8,7 +8,7 @@ from helpers.results import result
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.lab.check import Case, Verdict
-from sumo_reactive.lab.result import COLLISION, HARD_BRAKING, Fault
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.scenario import Expectation, Scenario
 from sumo_reactive.lab.task import Ending, Outcome
 from sumo_reactive.lab.trace import Entry

@@ -10,7 +10,7 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.result import COLLISION, HARD_BRAKING, Fault
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.show.faults import faults_in
 from sumo_reactive.show.recording import load
 from sumo_reactive.show.reports import run_page

@@ -16,7 +16,7 @@ from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import scratch
-from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, read_config
+from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, option_words, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 
 EGO_METRICS = (
@@ -180,10 +180,9 @@ def _task(scenario: Scenario, driver: Driver, outputs: Outputs, horizon_s: float
     ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
     options = outputs.options(config)
     _require_free(scenario, options)
-    added = (word for name, value in options.items() for word in (f"--{name}", value))
     asked = replace(
         scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True,
-        sumo_options=(*scenario.sumo_options, *added),
+        sumo_options=(*scenario.sumo_options, *option_words(options)),
     )  # fmt: skip
     return Task(asked, driver, scenario.parameters)
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.metrics.moment import Figures, Moment
-from sumo_reactive.lab.result import COLLISION, HARD_BRAKING, Fault
 
 
 class Collisions:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Protocol
 
 from sumo_reactive.driver.nouns.record import Scene
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
 from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
 from sumo_reactive.lab.metrics.rules import RedLights, RightOfWay
-from sumo_reactive.lab.result import Fault
 
 
 class _Judge(Protocol):

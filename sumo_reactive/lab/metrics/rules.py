@@ -14,8 +14,8 @@ from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metrics.moment import Figures, Moment
-from sumo_reactive.lab.result import Fault
 
 NO_GO = frozenset("rRu")
 """Red, and red with yellow; "s" (stop, then go) is not among them."""
