@@ -178,7 +178,7 @@ class Trip:
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):
-            stand_ins.appear(place)
+            stand_ins.show(place)
 
     def _go_on(self, after: Driving) -> None:
         """Set SUMO to another route if the driver has taken one."""

@@ -17,9 +17,9 @@ from sumo_reactive.show.batch_page import batch_page
 from sumo_reactive.show.explain import footer
 from sumo_reactive.show.faults import decision_table, fault_sentence, faults_in
 from sumo_reactive.show.page import Html, Section
-from sumo_reactive.show.recording import Recording, load
+from sumo_reactive.show.recording import Recording, Steps, load, read_steps
 from sumo_reactive.show.run_map import MAP_NAME, buttons_of, map_figure, roads_of, views_of
-from sumo_reactive.show.run_timeline import BehaviourSpan, Steps, read_steps, spans_of, timeline_figure
+from sumo_reactive.show.run_timeline import BehaviourSpan, spans_of, timeline_figure
 
 _FROM_WHERE = "A path is that of the record, and begins in the folder where the run was started."
 _READING = (

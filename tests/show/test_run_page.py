@@ -12,10 +12,10 @@ from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.show.faults import faults_in
-from sumo_reactive.show.recording import load
+from sumo_reactive.show.recording import load, read_steps
 from sumo_reactive.show.reports import run_page
 from sumo_reactive.show.run_map import RoadMap, closed, edges_of, map_figure, outline_of, roads_of, views_of
-from sumo_reactive.show.run_timeline import read_steps, spans_of, timeline_figure
+from sumo_reactive.show.run_timeline import spans_of, timeline_figure
 from sumo_reactive.sumo.net_reader import read_net
 
 ROOT = Path(__file__).parents[2]
