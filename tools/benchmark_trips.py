@@ -354,7 +354,7 @@ def drive(scenario: Scenario, folder: Path) -> Outcome:
         recorder.see(scene)
         control_us.append(round(scene.step.control_us, 1))
 
-    result = run_trial(scenario, observer=watch, survey=recorder.survey)
+    result = run_trial(scenario, observer=watch)
     recorder.write(result)
     figures = dict(result.figures)
     return Outcome(result.arrived, result.exit_code, result.verdict, result.duration_s, figures, control_us)

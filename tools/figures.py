@@ -594,7 +594,6 @@ def figure4(out: Path) -> Path:
 def _experiment() -> tuple[list[Shot], RoadGraph]:
     """Drive the scenario; return every step with the plan then in force, and the world."""
     shots: list[Shot] = []
-    worlds: list[RoadGraph] = []
 
     class ShownTrip(Trip):
         """A trip that shows its plan, which no record holds."""
@@ -605,10 +604,12 @@ def _experiment() -> tuple[list[Shot], RoadGraph]:
             return scene
 
     with patch.object(simulation, "Trip", ShownTrip):
-        result = simulation.run_trial(load_scenario(EXPERIMENT), survey=worlds.append)
+        result = simulation.run_trial(load_scenario(EXPERIMENT))
     if result.exit_code:
         raise SystemExit(f"{EXPERIMENT.name}: {result.verdict}; no figure of that")
-    return shots, worlds[0]
+    world = shots[0].scene.world
+    assert world is not None
+    return shots, world
 
 
 def _moments(shots: list[Shot], graph: RoadGraph) -> tuple[str, list[int]]:

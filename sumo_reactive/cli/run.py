@@ -92,7 +92,7 @@ def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probabil
     """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
     from sumo_reactive.lab.egos import EgoRule
     from sumo_reactive.sumo.config import read_config
-    from sumo_reactive.sumo.devices import Equipment
+    from sumo_reactive.sumo.vehicle_type import Equipment
 
     if len(ids) > 1 or types or probability is not None:
         return EgoRule(tuple(ids), tuple(types), probability or 0.0)
@@ -110,10 +110,9 @@ def _drive(scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite
     drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)
     show: Callable[[Any, bool], None] = _show_several if rule else _show
     recorder: Any = (FleetRecorder if rule else Recorder)(out, overwrite=overwrite) if out else None
-    watched = {"observer": recorder.see, "survey": recorder.survey} if recorder else {}
     note_compiling()
     with progress_shown(quiet) as progress, crashes_told():
-        result: Any = drive(progress=progress, **watched)
+        result: Any = drive(observer=recorder.see if recorder else None, progress=progress)
     show(result, quiet)
     if recorder:
         with figures_kept(quiet, lambda: show(result, False)):
@@ -154,6 +153,6 @@ def _show_several(fleet: FleetResult, quiet: bool) -> None:
         figures = (f"{figure:.1f}" for figure in (result.departure_s, result.duration_s, result.time_loss_s))
         table.add_row(Text(result.ego), *figures, Text(verdict))
     Console(highlight=False, width=None if sys.stdout.isatty() else _PLAIN_WIDTH).print(table)
-    for label, text in changed_rows(fleet.overrides, fleet.recounts):
+    for label, text in changed_rows(fleet):
         typer.echo(f"{label}  {text}")
     typer.echo(f"driver {fleet.step_us:.0f} µs an ego and step; {fleet.wall_s:.1f} s in all")

@@ -18,8 +18,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from sumo_reactive.driver.kernel_cache import KernelCache
-from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, is_own, kernel_root, own_folder
+from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, KernelCache, is_own, kernel_root, own_folder
 
 Function = TypeVar("Function", bound=Callable[..., object])
 

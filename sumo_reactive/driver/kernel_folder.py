@@ -1,14 +1,28 @@
-"""Where compiled kernels are kept: what is loaded from there runs, so it is a folder that nobody else can write to."""
+"""Compiled kernels on disk: a folder that nobody else can write to, since what is loaded from it runs, and a file each.
+
+A file holds the code of a kernel for its kinds of arguments, with a digest that tells if it is damaged.
+"""
 
 from __future__ import annotations
 
 import atexit
+import hashlib
 import os
+import pickle
 import shutil
 import stat
+import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
+
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from sumo_reactive.errors import OutputError
+from sumo_reactive.writing import write_whole
 
 FOLDER_VARIABLE = "SUMO_REACTIVE_KERNELS"
 """Environment variable by which a process shares a folder of its own with those that it starts: `process id:path`."""
@@ -85,3 +99,63 @@ def _remove_at_exit(folder: Path) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
     atexit.register(remove)
+
+
+_DIGEST_BYTES = 32
+_told: set[str] = set()
+
+
+class KernelCache(NullCache):
+    """What numba asks for the compiled code of a function. Nothing that goes wrong on disk ends the run: it is compiled."""
+
+    def __init__(self, function: Callable[..., object], folder: Path) -> None:
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        self._folder = folder
+
+    @property
+    def cache_path(self) -> str:
+        """The folder, for numba's own reports."""
+        return str(self._folder)
+
+    def load_overload(self, signature: Any, target_context: Any) -> CompileResult | None:
+        """Return the code for arguments of these kinds, if it is there and whole."""
+        target_context.refresh()
+        data = _whole(self._file(signature, target_context.codegen())) if is_own(self._folder) else None
+        return None if data is None else CompileResult._rebuild(target_context, *pickle.loads(data))
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep the code for arguments of these kinds."""
+        if result.library.has_dynamic_globals or not is_own(self._folder):
+            return
+        data = dumps(result._reduce())
+        try:
+            write_whole(self._file(signature, result.codegen), hashlib.sha256(data).digest() + data)
+        except OutputError as error:
+            _tell(f"compiled kernels are not kept: {error}")
+
+    def _file(self, signature: Any, codegen: Any) -> Path:
+        kinds = f"{sys.implementation.cache_tag} {self._name} {signature!r} {codegen.magic_tuple()!r}"
+        return self._folder / f"{self._name}-{hashlib.sha256(kinds.encode()).hexdigest()[:16]}"
+
+
+def _whole(file: Path) -> bytes | None:
+    """Return what was kept in a file; None if it is not there, or not as it was written."""
+    try:
+        content = file.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        _tell(f"{file}: {error.strerror}; compiling this kernel again")
+        return None
+    digest, data = content[:_DIGEST_BYTES], content[_DIGEST_BYTES:]
+    if hashlib.sha256(data).digest() == digest:
+        return data
+    _tell(f"{os.fspath(file.parent)}: damaged kernels are compiled again")
+    return None
+
+
+def _tell(line: str) -> None:
+    """Say a line once in a process."""
+    if line not in _told:
+        _told.add(line)
+        print(line, file=sys.stderr)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.config import SumoConfig
-from sumo_reactive.sumo.devices import Equipment
 from sumo_reactive.sumo.session import Progress, Session, is_road_car, type_of
+from sumo_reactive.sumo.vehicle_type import Equipment
 
 EGO = "ego"
 """Without an ego's id, a vehicle or type of this name is driven."""

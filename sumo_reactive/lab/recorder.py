@@ -20,7 +20,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.result import FleetResult, TrialResult, overrides_of, recounts_of, summary_of
+from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
 from sumo_reactive.lab.schema import Keys, Number, read_json
 from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
@@ -129,71 +129,59 @@ def read_fleet(folder: Path) -> FleetKeys:
     return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
-SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
+FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
+"""The files of a run."""
 
 PAGE = "report.html"
 """The page that `report` writes beside them."""
 
 
-class Record:
-    """The steps of an ego, kept in memory until its trip is judged."""
+class _Record:
+    """The steps of an ego, and the worlds in which it drove them."""
 
     def __init__(self) -> None:
         self._steps: list[StepRecord] = []
-        self._graphs: list[RoadGraph] = []
+        self._worlds: list[RoadGraph] = []
 
     def see(self, scene: Scene) -> None:
-        """Keep one step."""
         self._steps.append(scene.step)
-
-    def survey(self, graph: RoadGraph) -> None:
-        """Keep the world of a route, for the outlines of the conflict regions that the steps name."""
-        self._graphs.append(graph)
+        if scene.world is not None and scene.world not in self._worlds[-1:]:
+            self._worlds.append(scene.world)
 
     def write_into(self, folder: Path, result: TrialResult) -> None:
         """Write all files into a folder, one after another. Raises OSError."""
         write_trajectory(folder / TRAJECTORY, self._steps)
         lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (folder / DECISIONS).write_text("".join(lines), encoding="utf-8")
-        outlines = {region.id: region.polygon.round(3).tolist() for region in self._regions_named()}
-        (folder / REGIONS).write_text(json.dumps(outlines, allow_nan=False) + "\n", encoding="utf-8")
-        summary = json.dumps(summary_of(result), indent=2, allow_nan=False)
-        (folder / SUMMARY).write_text(summary + "\n", encoding="utf-8")
+        _write_json(folder / REGIONS, {region.id: region.polygon.round(3).tolist() for region in self._regions_named()})
+        _write_json(folder / SUMMARY, summary_of(result), indent=2)
 
     def _regions_named(self) -> Iterator[ConflictRegion]:
         named = {state.region for step in self._steps for state in step.regions}
         named |= {decision.region for step in self._steps for decision in step.decisions}
-        known = (region for graph in self._graphs for region in graph.regions.values())
+        known = (region for world in self._worlds for region in world.regions.values())
         return (region for region in known if region.id in named)
 
 
-class Recorder(Record):
-    """A record that is written at the end of the run: a killed run leaves nothing. Raises what `replaced_in` raises."""
+class Recorder:
+    """Keeps the steps of an ego in memory and writes them at the end of the run: a killed run leaves nothing.
+
+    Raises what `replaced_in` raises.
+    """
 
     def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
-        super().__init__()
         self._folder = folder
         self._replaced = replaced_in(folder, overwrite)
+        self._record = _Record()
+
+    def see(self, scene: Scene) -> None:
+        """Keep one step."""
+        self._record.see(scene)
 
     def write(self, result: TrialResult) -> None:
         """Write all files or none, in place of the run that is there; raise OutputError if that cannot be done."""
         with whole_folder(self._folder, SUMMARY, self._replaced) as partial:
-            self.write_into(partial, result)
-
-
-def replaced_in(folder: Path, overwrite: bool) -> list[Path]:
-    """Return the files of the run, of one ego or of several, that another would replace in a folder: paths in it.
-
-    Raises ScenarioError if there are some and `overwrite` is not asked for, OutputError if the folder cannot be written to.
-    """
-    require_writable(folder, is_folder=True)
-    files = (SUMMARY, TRAJECTORY, DECISIONS, REGIONS)
-    found = [name for name in (FLEET, *files) if os.path.lexists(folder / name)]
-    if found and not overwrite:
-        raise ScenarioError(f"{folder}: holds another run ({', '.join(found)}); use --overwrite or another folder")
-    places = [".", *((one.folder for one in read_fleet(folder).egos) if FLEET in found else ())]
-    candidates = [Path(place, name) for place in places for name in (FLEET, *files, PAGE)] if found else []
-    return [path for path in candidates if os.path.lexists(folder / path)]
+            self._record.write_into(partial, result)
 
 
 class FleetRecorder:
@@ -204,29 +192,42 @@ class FleetRecorder:
 
     def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
         self._folder = folder
-        self._records: defaultdict[str, Record] = defaultdict(Record)
+        self._records: defaultdict[str, _Record] = defaultdict(_Record)
         self._replaced = replaced_in(folder, overwrite)
         if not overwrite and (other := next(folder.glob(f"*/{SUMMARY}"), None)):
             raise ScenarioError(f"{other.parent}: holds another run; use --overwrite or another folder than {folder}")
 
-    def see(self, ego_id: str, scene: Scene) -> None:
+    def see(self, scene: Scene) -> None:
         """Keep one step of one ego."""
-        self._records[ego_id].see(scene)
-
-    def survey(self, ego_id: str, graph: RoadGraph) -> None:
-        """Keep a world that an ego has driven in."""
-        self._records[ego_id].survey(graph)
+        self._records[scene.ego].see(scene)
 
     def write(self, fleet: FleetResult) -> None:
         """Write the folder of each ego and what all came to, or nothing; raise OutputError if that cannot be done."""
-        names = EgoFolders((FLEET, SUMMARY, TRAJECTORY, DECISIONS, REGIONS, PAGE))
+        names = EgoFolders((FLEET, *FILES, PAGE))
         with whole_folder(self._folder, FLEET, self._replaced) as partial:
             for result in fleet.results:
                 own = partial / names.of(result.ego)
                 own.mkdir()
                 self._records[result.ego].write_into(own, result)
-            summary = json.dumps(fleet_summary(fleet, names.of), indent=2, allow_nan=False)
-            (partial / FLEET).write_text(summary + "\n", encoding="utf-8")
+            _write_json(partial / FLEET, fleet_summary(fleet, names.of), indent=2)
+
+
+def _write_json(path: Path, data: object, indent: int | None = None) -> None:
+    path.write_text(json.dumps(data, indent=indent, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def replaced_in(folder: Path, overwrite: bool) -> list[Path]:
+    """Return the files of the run, of one ego or of several, that another would replace in a folder: paths in it.
+
+    Raises ScenarioError if there are some and `overwrite` is not asked for, OutputError if the folder cannot be written to.
+    """
+    require_writable(folder, is_folder=True)
+    found = [name for name in (FLEET, *FILES) if os.path.lexists(folder / name)]
+    if found and not overwrite:
+        raise ScenarioError(f"{folder}: holds another run ({', '.join(found)}); use --overwrite or another folder")
+    places = [".", *((one.folder for one in read_fleet(folder).egos) if FLEET in found else ())]
+    candidates = [Path(place, name) for place in places for name in (FLEET, *FILES, PAGE)] if found else []
+    return [path for path in candidates if os.path.lexists(folder / path)]
 
 
 def fleet_summary(fleet: FleetResult, folder_of: Callable[[str], str]) -> dict[str, object]:
@@ -237,8 +238,7 @@ def fleet_summary(fleet: FleetResult, folder_of: Callable[[str], str]) -> dict[s
         "egos": [
             {"ego": one.ego, "folder": folder_of(one.ego), "verdict": one.verdict, **one.metrics} for one in fleet.results
         ],
-        "overrides": overrides_of(fleet.overrides),
-        "recounts": recounts_of(fleet.recounts),
+        **changes_of(fleet),
         "refused": [{"vehicle": name, "reason": reason} for name, reason in fleet.refused],
         "timing": {"ego_step_us": round(fleet.step_us, 1), "wall_s": round(fleet.wall_s, 2)},
     }

@@ -3,58 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
 from sumo_reactive.driver.nouns.event import EventKind
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.metric_names import METRICS, TIMINGS, event_key
 
 if TYPE_CHECKING:
+    from sumo_reactive.sumo.launch import OptionOverride
     from sumo_reactive.sumo.recount import Recount
-
-Override = tuple[str, str, str]
-"""Option, what the scenario says, what was used."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Harm:
-    """At `time` (s), to user `user_id`; `lane_id` is the ego's."""
-
-    time: float
-    user_id: str
-    lane_id: str
-
-
-class Collision(_Harm):
-    """The ego's box and another's overlapped from then on."""
-
-    def __str__(self) -> str:
-        return f"collision with {self.user_id} at {self.time:.1f} s"
-
-
-class HardBrake(_Harm):
-    """Somebody behind the ego began to brake hard because of it."""
-
-    def __str__(self) -> str:
-        return f"hard braking of {self.user_id} at {self.time:.1f} s"
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A rule that the ego broke at `time` (s): `kind` in words, `user_id` the one who suffered (empty: nobody)."""
-
-    time: float
-    kind: str
-    lane_id: str
-    user_id: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.kind}{f' of {self.user_id}' if self.user_id else ''} at {self.time:.1f} s"
-
-
-Fault = Collision | Violation | HardBrake
-"""What the ego did to somebody, or against a rule, at a time."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +22,7 @@ class TrialResult:
 
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
     120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
-    figures apart under `timing`. `recounts`: what was put right in SUMO's own outputs.
+    figures apart under `timing`. `faults` are in order of time. `recounts`: what was put right in SUMO's own outputs.
     """
 
     scenario: str
@@ -81,10 +40,8 @@ class TrialResult:
     distance_m: float
     figures: Mapping[str, float | int | None]
     timing: Mapping[str, float] = field(default_factory=dict)
-    collisions: tuple[Collision, ...] = ()
-    violations: tuple[Violation, ...] = ()
-    hard_brakes: tuple[HardBrake, ...] = ()
-    overrides: tuple[Override, ...] = ()
+    faults: tuple[Fault, ...] = ()
+    overrides: tuple[OptionOverride, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     ghosts: int = 0
     stopped_s: float = 0.0
@@ -94,6 +51,21 @@ class TrialResult:
     def duration_s(self) -> float:
         """Time from departure to the end, s."""
         return self.end_s - self.departure_s
+
+    @property
+    def collisions(self) -> tuple[Fault, ...]:
+        """Whom the ego touched."""
+        return tuple(fault for fault in self.faults if fault.kind == COLLISION)
+
+    @property
+    def hard_brakes(self) -> tuple[Fault, ...]:
+        """Whom it made brake hard."""
+        return tuple(fault for fault in self.faults if fault.kind == HARD_BRAKING)
+
+    @property
+    def violations(self) -> tuple[Fault, ...]:
+        """Which rules it broke."""
+        return tuple(fault for fault in self.faults if fault.kind not in (COLLISION, HARD_BRAKING))
 
     @property
     def metrics(self) -> dict[str, float | int | None]:
@@ -137,7 +109,7 @@ class FleetResult:
     until: float
     step_us: float
     wall_s: float
-    overrides: tuple[Override, ...] = ()
+    overrides: tuple[OptionOverride, ...] = ()
 
     @property
     def faulty(self) -> tuple[TrialResult, ...]:
@@ -167,11 +139,11 @@ _NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_
 def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
-    plain["overrides"] = overrides_of(result.overrides)
-    plain["recounts"] = recounts_of(result.recounts)
-    plain["collisions"] = [_faulty(one) for one in plain["collisions"]]
-    plain["violations"] = [_faulty(one) for one in plain["violations"]]
-    plain["hard_brakes"] = [_faulty(one) for one in plain["hard_brakes"]]
+    plain |= changes_of(result)
+    del plain["faults"]
+    harms = {"collisions": result.collisions, "hard_brakes": result.hard_brakes}
+    plain |= {name: [_fault_line(one) for one in faults] for name, faults in harms.items()}
+    plain["violations"] = [_fault_line(one) | {"kind": one.kind} for one in result.violations]
     ends = {"duration_s": result.duration_s, "verdict": result.verdict, "exit_code": result.exit_code}
     return {name: _finite(value) for name, value in (ends | plain).items()}
 
@@ -186,29 +158,27 @@ def rows_of(result: TrialResult) -> list[Row]:
     figures = {**result.metrics, **result.timing}
     shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
-    return [*rows, *changed_rows(result.overrides, result.recounts)]
+    return [*rows, *changed_rows(result)]
 
 
-def overrides_of(overrides: Iterable[Override]) -> list[dict[str, str]]:
-    """Return overrides as plain data."""
-    return [dict(zip(("option", "scenario", "used"), one, strict=True)) for one in overrides]
+def changes_of(result: TrialResult | FleetResult) -> dict[str, list[dict[str, str]]]:
+    """Return what was changed in the scenario, and in SUMO's own outputs, as plain data."""
+    return {
+        "overrides": [one._asdict() for one in result.overrides],
+        "recounts": [one._asdict() for one in result.recounts],
+    }
 
 
-def recounts_of(recounts: Iterable[Recount]) -> list[dict[str, str]]:
-    """Return what was put right in SUMO's own outputs as plain data."""
-    return [one._asdict() for one in recounts]
-
-
-def changed_rows(overrides: Iterable[Override], recounts: Iterable[Recount]) -> list[Row]:
-    """Return what was changed in the scenario, and in SUMO's own outputs, as (label, text) rows."""
-    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in overrides]
-    for one in recounts:
+def changed_rows(result: TrialResult | FleetResult) -> list[Row]:
+    """Return the same as (label, text) rows."""
+    rows = [(f"override {option}", f"{said} → {used}") for option, said, used in result.overrides]
+    for one in result.recounts:
         rows.append((" ".join(filter(None, (one.file, one.vehicle, one.attribute))), f"{one.sumo} → {one.used}".lstrip()))
     return rows
 
 
-def _faulty(fault: dict[str, object]) -> dict[str, object]:
-    return {("time_s" if name == "time" else name): value for name, value in fault.items()}
+def _fault_line(fault: Fault) -> dict[str, object]:
+    return {"time_s": fault.time, "user_id": fault.user_id, "lane_id": fault.lane_id}
 
 
 def _finite(value: object) -> object:

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import contextlib
 import os
-import pickle
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import Pipe
 from pathlib import Path
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from types import TracebackType
-from typing import Any, BinaryIO, cast
+from typing import Any
 
 import psutil
 
 from sumo_reactive.lab.task import Ending, Outcome, Task
-from sumo_reactive.lab.trial_process import new_scratch, receive, remove, send
+from sumo_reactive.lab.trial_process import new_scratch, remove
 from sumo_reactive.sumo.crash import DEADLY
 
 MAX_TRIALS = 100
@@ -102,41 +101,36 @@ class _Child:
         self._ready = False
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 closed with the process
         self._own_scratch = None if scratch else new_scratch()
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "sumo_reactive.lab.trial_process", str(scratch or self._own_scratch)],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._log,
-            env=dict.fromkeys(_ONE_THREAD, "1") | dict(os.environ),
-        )  # fmt: skip
-        assert self._process.stdin and self._process.stdout
-        self._stdin: BinaryIO = cast(BinaryIO, self._process.stdin)
-        self._stdout: BinaryIO = cast(BinaryIO, self._process.stdout)
-        self._answers: SimpleQueue[Any] = SimpleQueue()
-        self._listener = threading.Thread(target=self._listen, daemon=True)
-        self._listener.start()
+        taken, self._orders = Pipe(duplex=False)
+        self._answers, given = Pipe(duplex=False)
+        with taken, given:
+            ends = taken.fileno(), given.fileno()
+            told = map(str, (scratch or self._own_scratch, *ends))
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "sumo_reactive.lab.trial_process", *told],
+                stdin=subprocess.DEVNULL, stdout=self._log, stderr=self._log, pass_fds=ends,
+                env=dict.fromkeys(_ONE_THREAD, "1") | dict(os.environ),
+            )  # fmt: skip
 
     def call(self, order: object, wall_limit_s: float) -> Answer:
         """Hand over an order and wait for its answer."""
-        if not self._ready:
-            self._ready = self._answers.get() is not None
-        began = clock.monotonic()
-        if not self._ready:
-            return Ending.CRASHED, self._death(), 0.0
-        with contextlib.suppress(OSError):
-            send(self._stdin, order)
-        self._trials += 1
-        while True:
-            took = clock.monotonic() - began
-            try:
-                answer = self._answers.get(timeout=max(0.0, min(_LOOK_S, wall_limit_s - took)))
-            except Empty:
+        began = took = 0.0
+        try:
+            if not self._ready:
+                self._ready = self._answers.recv()
+            began = clock.monotonic()
+            self._orders.send(order)
+            self._trials += 1
+            while not self._answers.poll(max(0.0, min(_LOOK_S, wall_limit_s - took))):
                 if took >= wall_limit_s:
                     return Ending.TIMEOUT, f"not done after {wall_limit_s:g} s of wall-clock time", took
                 if (held := self._memory_mb()) > MAX_MEMORY_MB:
                     return Ending.CRASHED, f"the process held {held:.0f} MB, more than {MAX_MEMORY_MB:.0f}", took
-                continue
-            if answer is None:
-                return Ending.CRASHED, self._death(), took
-            return Ending[answer[0]], answer[1], answer[2]
+                took = clock.monotonic() - began
+            name, value, wall_s = self._answers.recv()
+        except (EOFError, OSError):
+            return Ending.CRASHED, self._death(), clock.monotonic() - began if began else 0.0
+        return Ending[name], value, wall_s
 
     def is_worn_out(self) -> bool:
         """Whether another process should run the next task."""
@@ -147,24 +141,13 @@ class _Child:
 
         It is first let go, so that it cleans up by itself even if this process is killed meanwhile.
         """
-        with contextlib.suppress(OSError, ValueError):
-            self._stdin.close()
+        self._orders.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(_FAREWELL_S)
         self._process.kill()
         self._process.wait()
-        self._listener.join()
         if self._own_scratch:
             remove(self._own_scratch)
-
-    def _listen(self) -> None:
-        with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):
-            while True:
-                self._answers.put(pickle.loads(receive(self._stdout)))
-        self._answers.put(None)
-        for stream in (self._stdin, self._stdout):
-            with contextlib.suppress(OSError):
-                stream.close()
 
     def _memory_mb(self) -> float:
         try:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numba
 import numpy
@@ -26,30 +26,23 @@ from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, Simulat
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.recorder import COLUMNS
-from sumo_reactive.lab.result import FleetResult, Override, TrialResult
+from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
 from sumo_reactive.lab.task import Driver, Task
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.config import SumoConfig, read_config
-from sumo_reactive.sumo.devices import Equipment
 from sumo_reactive.sumo.ego import give_back
-from sumo_reactive.sumo.launch import chosen_step_length, passed_end, runnable_config, sumo_arguments
+from sumo_reactive.sumo.launch import OptionOverride, chosen_step_length, passed_end, runnable_config, sumo_arguments
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, sumo_version
+from sumo_reactive.sumo.vehicle_type import Equipment
 
-_Seen = TypeVar("_Seen")
 SceneObserver = Callable[[Scene], None]
-Survey = Callable[[RoadGraph], None]
-
-FleetObserver = Callable[[str, Scene], None]
-"""Gets every ego's id and scene."""
-
-FleetSurvey = Callable[[str, RoadGraph], None]
-"""Gets an ego's id and each world that it has driven in, at the end of its trip."""
+"""Gets every scene of every ego."""
 
 SELDOM = 100_000
 """Objects made and not freed until rubbish is looked for while egos drive."""
@@ -60,7 +53,7 @@ class Started(NamedTuple):
 
     session: Session
     config: SumoConfig
-    overrides: tuple[Override, ...]
+    overrides: tuple[OptionOverride, ...]
     begin: float
 
 
@@ -85,14 +78,6 @@ AnyTrip = Trip | WatchedTrip
 """Whoever drives: each simulation step is preceded by a `command` and followed by a `scene`."""
 
 
-class Onlookers(NamedTuple):
-    """Who looks on: at every scene, at the worlds of a trip at its end, at simulation time (s) and a text."""
-
-    observer: FleetObserver | None = None
-    survey: FleetSurvey | None = None
-    progress: Progress | None = None
-
-
 class _Member(NamedTuple):
     """A trip under way, the jury that watches it, how its ego was chosen, when it ends at the latest (s)."""
 
@@ -110,11 +95,11 @@ class Simulation:
     """
 
     def __init__(
-        self, start: Started, scenario: Scenario, take_over: Callable[[str], AnyTrip], onlookers: Onlookers,
-        rule: EgoRule | None = None,
+        self, start: Started, scenario: Scenario, take_over: Callable[[str], AnyTrip],
+        observer: SceneObserver | None, progress: Progress | None, rule: EgoRule | None = None,
     ) -> None:  # fmt: skip
         self._start, self._session, self._scenario = start, start.session, scenario
-        self._take_over, self._onlookers, self._rule = take_over, onlookers, rule
+        self._take_over, self._observer, self._progress, self._rule = take_over, observer, progress, rule
         self._equipment = Equipment(start.config) if rule else None
         self._members: list[_Member] = []
         self._until = scenario.latest_end
@@ -129,22 +114,26 @@ class Simulation:
         """Take over a vehicle that has departed, chosen in the way told."""
         trip = self._take_over(vehicle_id)
         self._until = self._scenario.end_after(trip.departure)
-        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase, trip.judged_in)
+        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase)
         self._members.append(_Member(trip, jury, chosen, self._until))
+
+    def run_one(self) -> None:
+        """Wait for the scenario's one ego, and let it drive."""
+        self.admit(*find_ego(self._session, self._scenario, self._start.config, self._progress))
+        self.run()
 
     def run(self) -> None:
         """Step until nobody is on the way or can still come; then play the scenario out if it asks for that."""
-        progress = self._onlookers.progress
         with world_kept():
             while self._goes_on():
                 self._step()
-                if progress is not None:
-                    progress(self._session.time, self._doing)
+                if self._progress is not None:
+                    self._progress(self._session.time, self._doing)
         self.ended = self._session.time
         if self._has_left:
             self._session.step()
         if self._scenario.until_end:
-            self._session.play_out(self._until, progress)
+            self._session.play_out(self._until, self._progress)
 
     def _goes_on(self) -> bool:
         if self._members or self._rule is None:
@@ -190,11 +179,9 @@ class Simulation:
         return False
 
     def _show(self, member: _Member, scene: Scene) -> None:
-        if (graph := member.trip.judged_in) is not None:
-            member.jury.enter(graph)
         member.jury.see(scene)
-        if self._onlookers.observer is not None:
-            self._onlookers.observer(member.trip.id, scene)
+        if self._observer is not None:
+            self._observer(scene)
         self._doing = scene.step.behaviour or "SUMO's own driver"
 
     def _choose(self, rule: EgoRule) -> None:
@@ -221,33 +208,25 @@ class Simulation:
             step_length_s=self._session.step_length, profile=trip.profile, arrived=trip.arrived, ended=ended,
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
             distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
-            collisions=jury.collisions, violations=jury.violations, hard_brakes=jury.hard_brakes, overrides=overrides,
-            versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
+            faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
         ))  # fmt: skip
-        if (survey := self._onlookers.survey) is not None:
-            for graph in trip.graphs:
-                survey(trip.id, graph)
 
 
 def run_trial(
-    scenario: Scenario,
-    *,
-    observer: SceneObserver | None = None,
-    progress: Progress | None = None,
-    survey: Survey | None = None,
+    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
 ) -> TrialResult:
     """Run the scenario in this process until the ego has arrived; return the judged result.
 
-    `observer` gets every scene, `progress` simulation time (s) and a text, `survey` the world of each route driven, at the
-    end. Raises ScenarioError or NetworkError for what cannot be run, SimulationError if SUMO fails on the way.
+    `observer` gets every scene, `progress` simulation time (s) and a text. Raises ScenarioError or NetworkError for what
+    cannot be run, SimulationError if SUMO fails on the way.
     """
     net = read_net(read_config(scenario.config).net_file)
-    onlookers = Onlookers(_of_any(observer), _of_any(survey), progress)
     with started(scenario) as start:
-        simulation = _alone(
-            start, scenario, onlookers,
-            lambda ego: Trip(start.session, ego, net, scenario, Sensor(scenario.obstacle_polygons)),
+        simulation = Simulation(
+            start, scenario, lambda ego: Trip(start.session, ego, net, scenario, Sensor(scenario.obstacle_polygons)),
+            observer, progress,
         )  # fmt: skip
+        simulation.run_one()
         files = trip_files()
     return _recounted(files, simulation.results)[0]
 
@@ -265,20 +244,16 @@ def run_sumo_driver(
         options, trips = trip_output(scenario.sumo_options, Path(folder))
         with started(scenario, options) as start:
             session, net_file = start.session, start.config.net_file
-            onlookers = Onlookers(_of_any(observer), None, progress)
-            simulation = _alone(
-                start, scenario, onlookers, lambda ego: WatchedTrip(session, ego, net_file, scenario.parameters.stuck_s)
+            stuck_s = scenario.parameters.stuck_s
+            simulation = Simulation(
+                start, scenario, lambda ego: WatchedTrip(session, ego, net_file, stuck_s), observer, progress
             )
+            simulation.run_one()
         return as_told(simulation.results[0], trips)
 
 
 def run_fleet(
-    scenario: Scenario,
-    rule: EgoRule,
-    *,
-    observer: FleetObserver | None = None,
-    progress: Progress | None = None,
-    survey: FleetSurvey | None = None,
+    scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None
 ) -> FleetResult:
     """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
 
@@ -290,7 +265,7 @@ def run_fleet(
         worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
         simulation = Simulation(
             start, scenario, lambda ego: Trip(start.session, ego, worlds, scenario, sensor),
-            Onlookers(observer, survey, progress), rule,
+            observer, progress, rule,
         )  # fmt: skip
         simulation.run()
         files = trip_files()
@@ -358,20 +333,6 @@ def world_kept() -> Iterator[None]:
     finally:
         gc.set_threshold(*before)
         gc.unfreeze()
-
-
-def _alone(start: Started, scenario: Scenario, onlookers: Onlookers, take_over: Callable[[str], AnyTrip]) -> Simulation:
-    """Run the scenario with its one ego."""
-    ego, chosen = find_ego(start.session, scenario, start.config, onlookers.progress)
-    simulation = Simulation(start, scenario, take_over, onlookers)
-    simulation.admit(ego, chosen)
-    simulation.run()
-    return simulation
-
-
-def _of_any(look: Callable[[_Seen], None] | None) -> Callable[[str, _Seen], None] | None:
-    """Return what looks at one ego as what looks at any."""
-    return None if look is None else lambda _, seen: look(seen)
 
 
 def _recounted(files: TripFiles, results: Sequence[TrialResult]) -> list[TrialResult]:

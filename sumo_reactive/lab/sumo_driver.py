@@ -14,7 +14,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, SimulationError
 from sumo_reactive.lab.metrics.moment import JUDGED_REACH_M
 from sumo_reactive.lab.result import TrialResult
-from sumo_reactive.sumo.config import given_options
+from sumo_reactive.sumo.config import given_options, option_words
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.observed_vehicle import ObservedVehicle
 from sumo_reactive.sumo.outputs import AS_READ, trip_of
@@ -35,14 +35,13 @@ class WatchedTrip:
 
     distance = time_loss = stopped = 0.0
     ghosts_made = 0
-    graphs: tuple[RoadGraph, ...] = ()
 
     def __init__(self, session: Session, vehicle_id: str, net_file: Path, stuck_s: float) -> None:
         self._session, self._vehicle = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)
         self.id, self.limits, self.profile = vehicle_id, self._vehicle.limits, PROFILE
         self.departure, self.end = self._vehicle.departure, session.time
         self.arrived, self.stuck = False, ""
-        self.judged_in: RoadGraph | None = None
+        self._world: RoadGraph | None = None
         self._moved, self._longest = session.time, stuck_s
         self._route: tuple[str, ...] = ()
         self._net: NetFile | None = None
@@ -70,7 +69,7 @@ class WatchedTrip:
         own = view.own
         self._follow(own.route)
         record = StepRecord(self.end, own.x, own.y, own.heading, own.speed, own.lane_id)
-        return Scene(record, tuple(map(self._placed, view.others)), view.crossed)
+        return Scene(record, tuple(map(self._placed, view.others)), view.crossed, (), self.id, self._world)
 
     def arrive(self) -> bool:
         """Leave the arrival to SUMO."""
@@ -82,11 +81,11 @@ class WatchedTrip:
     def _follow(self, route: tuple[str, ...]) -> None:
         """Have it judged in the world around the edges that the vehicle has still to drive."""
         if self._net is not None and route and self._route[-len(route) :] != route:
-            self._route, self.judged_in = route, self._net.build(route)
+            self._route, self._world = route, self._net.build(route)
 
     def _placed(self, user: RoadUser) -> RoadUser:
         """Return a user with its position measured along the lane as the world has it, m."""
-        lane = self.judged_in.lanes.get(user.lane_id) if self.judged_in else None
+        lane = self._world.lanes.get(user.lane_id) if self._world else None
         return user if lane is None else user._replace(lane_position=user.lane_position * lane.scale)
 
 
@@ -95,7 +94,7 @@ def trip_output(sumo_options: Sequence[str], folder: Path) -> tuple[list[str], P
     given = given_options(sumo_options)
     path = Path(given.get(TRIP_OUTPUT, folder / "trips.xml"))
     wanted = {TRIP_OUTPUT: str(path), f"{TRIP_OUTPUT}.write-unfinished": "true", **AS_READ}
-    return [word for name, value in wanted.items() if name not in given for word in (f"--{name}", value)], path
+    return option_words({name: value for name, value in wanted.items() if name not in given}), path
 
 
 def as_told(result: TrialResult, trips: Path) -> TrialResult:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from enum import Enum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
-from pydantic import field_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
@@ -21,74 +22,84 @@ _OF_A_MEETING = {"arrival_s", "clearance_s", "foe_arrival_s", "foe_clearance_s"}
 _OF_A_LINE = {"to_line_m", "braking_needed_m_s2"}
 
 
-class EventKeys(Keys):
+Measure = Annotated[Number | None, AfterValidator(lambda value: math.inf if value is None else value)]
+"""A number, or null where there is none."""
+
+
+class NounKeys(Keys):
+    """A noun as a JSON object: a key for each of its fields, or the field's alias where units or the trace name it anew."""
+
+    noun: ClassVar[type[Any]]
+
+    def made(self) -> Any:
+        """Return the noun."""
+        return self.noun(**{name: _made(getattr(self, name)) for name in type(self).model_fields})
+
+
+def _made(value: object) -> object:
+    if isinstance(value, NounKeys):
+        return value.made()
+    if isinstance(value, dict):
+        return tuple(value.items())
+    return tuple(map(_made, value)) if isinstance(value, tuple) else value
+
+
+class EventKeys(NounKeys):
     """What activated the pilot."""
 
-    event: EventKind
+    noun = Event
+    kind: EventKind = Field(alias="event")
     cause: str
 
 
-class EncounterKeys(Keys):
+class EncounterKeys(NounKeys):
     """Whom going on would touch, when and where."""
 
-    user: str
-    time_s: Number | None
-    s_m: Number | None
-    x_m: Number | None
-    y_m: Number | None
+    noun = Encounter
+    user_id: str = Field(alias="user")
+    time: Measure = Field(alias="time_s")
+    s: Measure = Field(alias="s_m")
+    x: Measure = Field(alias="x_m")
+    y: Measure = Field(alias="y_m")
 
 
-class AssessmentKeys(Keys):
+class AssessmentKeys(NounKeys):
     """What going on would have led to."""
 
+    noun = Assessment
     outcome: PlanOutcome
-    lateness_s: Number | None
-    constraint_m: Number | None
+    lateness: Measure = Field(alias="lateness_s")
+    constraint: Measure = Field(alias="constraint_m")
     encounter: EncounterKeys | None
 
 
-class DecisionKeys(Keys):
+class DecisionKeys(NounKeys):
     """A decision with the figures that it rests on."""
 
+    noun = Decision
     behaviour: Behaviour
     reason: Reason
     region: str
     cause: str
     passes: bool
-    figures: dict[str, Number | None]
+    figures: dict[str, Measure]
 
     @field_validator("figures")
     @classmethod
-    def _belong_together(cls, figures: dict[str, float | None]) -> dict[str, float | None]:
+    def _belong_together(cls, figures: dict[str, float]) -> dict[str, float]:
         for mark, others in (("foe_arrival_s", _OF_A_MEETING), ("to_line_m", _OF_A_LINE)):
             if mark in figures and (missing := sorted(others - figures.keys())):
                 raise ValueError(f"'{mark}' without '{missing[0]}'")
         return figures
 
 
-class RegionKeys(Keys):
+class RegionKeys(NounKeys):
     """Who holds a region."""
 
+    noun = RegionState
     region: str
-    state: Occupancy
-    user: str
-
-
-class LineKeys(Keys):
-    """A whole line."""
-
-    time_s: Number
-    events: list[EventKeys]
-    assessment: AssessmentKeys
-    behaviour: Behaviour
-    instruction: Instruction
-    decisions: list[DecisionKeys]
-    regions: list[RegionKeys]
-    emergency: bool = False
-    hazard: str = ""
-
-
-Line = dict[str, Any]
+    occupancy: Occupancy = Field(alias="state")
+    user_id: str = Field(alias="user")
 
 
 class Entry(NamedTuple):
@@ -106,6 +117,26 @@ class Entry(NamedTuple):
     regions: tuple[RegionState, ...] = ()
     emergency: bool = False
     hazard: str = ""
+
+
+class EntryKeys(NounKeys):
+    """A whole line."""
+
+    noun = Entry
+    time: Number = Field(alias="time_s")
+    events: tuple[EventKeys, ...]
+    assessment: AssessmentKeys
+    behaviour: Behaviour
+    instruction: Instruction
+    decisions: tuple[DecisionKeys, ...]
+    regions: tuple[RegionKeys, ...]
+    emergency: bool = False
+    hazard: str = ""
+
+
+_KEYS: dict[type, type[NounKeys]] = {
+    keys.noun: keys for keys in (EventKeys, EncounterKeys, AssessmentKeys, DecisionKeys, RegionKeys, EntryKeys)
+}
 
 
 def entries(steps: Sequence[StepRecord]) -> Iterator[Entry]:
@@ -133,23 +164,27 @@ def decision_without_figures(decision: Decision) -> tuple[object, ...]:
     return decision.behaviour, decision.reason, decision.region, decision.cause, decision.passes
 
 
-def line_of(entry: Entry) -> Line:
+def line_of(entry: Entry) -> dict[str, Any]:
     """Return an entry as plain data: units in the keys, null for "none"."""
-    line: Line = {
-        "time_s": round(entry.time, 3),
-        "events": [{"event": event.kind.value, "cause": event.cause} for event in entry.events],
-        "assessment": _assessment_line(entry.assessment),
-        "behaviour": entry.behaviour.value,
-        "instruction": entry.instruction.value,
-        "decisions": [_decision_line(decision) for decision in entry.decisions],
-        "regions": [{"region": r.region, "state": r.occupancy.value, "user": r.user_id} for r in entry.regions],
-    }
-    return line | ({"emergency": True, "hazard": entry.hazard} if entry.emergency else {})
+    line: dict[str, Any] = _plain(entry)
+    return line if entry.emergency else {name: value for name, value in line.items() if name not in ("emergency", "hazard")}
+
+
+def _plain(value: Any) -> Any:
+    if keys := _KEYS.get(type(value)):
+        line = {field.alias or name: _plain(getattr(value, name)) for name, field in keys.model_fields.items()}
+        return line | ({"figures": dict(line["figures"])} if "figures" in line else {})
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float):
+        return round(value, 3) if math.isfinite(value) else None
+    return value.value if isinstance(value, Enum) else value
 
 
 def entry_of(line: Mapping[str, Any]) -> Entry:
     """Return the entry that a line holds; raise ValueError for another line."""
-    return _entry(LineKeys.model_validate_json(json.dumps(line)))
+    entry: Entry = EntryKeys.model_validate_json(json.dumps(line)).made()
+    return entry
 
 
 def read_entries(path: Path) -> tuple[Entry, ...]:
@@ -157,65 +192,6 @@ def read_entries(path: Path) -> tuple[Entry, ...]:
     lines = text_of(path, most=MOST_RECORD_BYTES).split("\n")
     told = "a record of this release"
     return tuple(
-        _entry(checked(line, LineKeys, f"{path}:{number}", told))
+        checked(line, EntryKeys, f"{path}:{number}", told).made()
         for number, line in enumerate(lines[:-1] if lines[-1] == "" else lines, start=1)
     )
-
-
-def _entry(line: LineKeys) -> Entry:
-    meets = line.assessment.encounter
-    encounter = None
-    if meets is not None:
-        encounter = Encounter(meets.user, *map(_number, (meets.time_s, meets.s_m, meets.x_m, meets.y_m)))
-    lateness, constraint = _number(line.assessment.lateness_s), _number(line.assessment.constraint_m)
-    return Entry(
-        time=line.time_s,
-        events=tuple(Event(one.event, one.cause) for one in line.events),
-        assessment=Assessment(line.assessment.outcome, lateness, constraint, encounter),
-        behaviour=line.behaviour,
-        instruction=line.instruction,
-        decisions=tuple(_decision(one) for one in line.decisions),
-        regions=tuple(RegionState(one.region, one.state, one.user) for one in line.regions),
-        emergency=line.emergency,
-        hazard=line.hazard,
-    )
-
-
-def _decision(keys: DecisionKeys) -> Decision:
-    figures = tuple((name, _number(value)) for name, value in keys.figures.items())
-    return Decision(keys.behaviour, keys.reason, keys.region, keys.cause, keys.passes, figures)
-
-
-def _assessment_line(assessment: Assessment) -> Line:
-    meets = assessment.encounter
-    return {
-        "outcome": assessment.outcome.value,
-        "lateness_s": _rounded(assessment.lateness),
-        "constraint_m": _rounded(assessment.constraint),
-        "encounter": None if meets is None else {
-            "user": meets.user_id,
-            "time_s": _rounded(meets.time),
-            "s_m": _rounded(meets.s),
-            "x_m": _rounded(meets.x),
-            "y_m": _rounded(meets.y),
-        },
-    }  # fmt: skip
-
-
-def _decision_line(decision: Decision) -> Line:
-    return {
-        "behaviour": decision.behaviour.value,
-        "reason": decision.reason.value,
-        "region": decision.region,
-        "cause": decision.cause,
-        "passes": decision.passes,
-        "figures": {name: _rounded(value) for name, value in decision.figures},
-    }
-
-
-def _rounded(value: float) -> float | None:
-    return round(value, 3) if math.isfinite(value) else None
-
-
-def _number(value: float | None) -> float:
-    return math.inf if value is None else value

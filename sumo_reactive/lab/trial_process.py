@@ -8,7 +8,6 @@ import os
 import pickle
 import shutil
 import signal
-import struct
 import sys
 import tempfile
 import threading
@@ -17,9 +16,10 @@ import traceback
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any, BinaryIO
+from typing import Any
 
 from sumo_reactive.errors import ReactiveError
 
@@ -50,48 +50,29 @@ def remove(folder: Path) -> None:
         clock.sleep(_PAUSE_S)
 
 
-_SIZE = struct.Struct("!Q")
-
-
-def send(stream: BinaryIO, value: object) -> None:
-    """Write a value to a stream."""
-    data = pickle.dumps(value)
-    stream.write(_SIZE.pack(len(data)) + data)
-    stream.flush()
-
-
-def receive(stream: BinaryIO) -> bytes:
-    """Read a pickled value from a stream; raise EOFError when it is closed."""
-    head = stream.read(_SIZE.size)
-    data = stream.read(_SIZE.unpack(head)[0]) if len(head) == _SIZE.size else b""
-    if not data:
-        raise EOFError
-    return data
-
-
-def main(scratch: str) -> None:
+def main(scratch: str, asking: str, answering: str) -> None:
     """Serve until the other end closes, which it does also by dying: then end at once, whatever runs.
 
-    Temporary files go to the folder `scratch`, which is made here and removed at such an end.
+    Orders come and answers go by the two descriptors named. Temporary files go to the folder `scratch`, which is made here
+    and removed at such an end.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Path(scratch).mkdir(mode=0o700, exist_ok=True)
-    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what SUMO prints is no answer
+    asked, answers = Connection(int(asking), writable=False), Connection(int(answering), readable=False)
     orders: SimpleQueue[bytes] = SimpleQueue()
-    threading.Thread(target=_listen, args=(orders, Path(scratch)), daemon=True).start()
+    threading.Thread(target=_listen, args=(asked, orders, Path(scratch)), daemon=True).start()
     with contextlib.suppress(Exception):  # tried again, and told, by the first order
         import sumo_reactive.lab.simulation  # noqa: F401
     tempfile.tempdir = scratch
-    send(answers, ())
+    answers.send(True)  # ready
     while True:
-        send(answers, _answer(orders.get()))
+        answers.send(_answer(orders.get()))
 
 
-def _listen(orders: SimpleQueue[bytes], scratch: Path) -> None:
+def _listen(asked: Connection, orders: SimpleQueue[bytes], scratch: Path) -> None:
     with contextlib.suppress(EOFError):
         while True:
-            orders.put(receive(sys.stdin.buffer))
+            orders.put(asked.recv_bytes())
     remove(scratch)
     os._exit(0)
 
@@ -122,4 +103,4 @@ def _told(error: Exception) -> str:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

@@ -49,7 +49,7 @@ class Trip:
     """An ego in the hands of this project's driver, from take-over to arrival.
 
     Each simulation step is preceded by a `command` and followed by a `scene`. Several egos of one session share their
-    `sensor`. `judged_in` is the world in which the last scene was driven; `stuck` says why the ego stands for ever.
+    `sensor`. `stuck` says why the ego stands for ever.
     """
 
     @interrupts_kept()
@@ -62,7 +62,7 @@ class Trip:
         self.distance = self.time_loss = self.stopped = 0.0
         self._moved = session.time
         graph = net.build(ego.route.edges)
-        self.graphs, self.judged_in = [graph], graph
+        self._routes = 1
         choice = choose_lanes(graph, ego.route, ego.vehicle_class)
         controller = Controller(graph, ego.limits, scenario.profile, scenario.delays, ego.vehicle_class)
         self._observer = EgoObserver(ego_id, sensor)
@@ -93,7 +93,7 @@ class Trip:
 
     def scene(self) -> Scene:
         """Verify what the simulation step has made of the command, plan anew where needed, observe."""
-        step, self.judged_in = self._step, self._driving.graph
+        step, world = self._step, self._driving.graph
         lane_id = self._ego.lane(step.drive.ego)
         light = self._light_crossed(step)
         self._count(step)
@@ -104,7 +104,8 @@ class Trip:
         self._is_first = False
         front = front_of(step.drive.ego.pose, self.limits)
         record = _record(step, self._session.time, front, lane_id, light, self._control_us)
-        return Scene(record, self._traffic.users, self._stop_lines.crossed(lane_id), self._bystanders.look())
+        crossed = self._stop_lines.crossed(lane_id)
+        return Scene(record, self._traffic.users, crossed, self._bystanders.look(), self.id, world)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
@@ -178,16 +179,16 @@ class Trip:
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):
-            stand_ins.appear(place)
+            stand_ins.show(place)
 
     def _go_on(self, after: Driving) -> None:
         """Set SUMO to another route if the driver has taken one."""
         if after.route is not self._driving.route:
             edges = after.route.edges
             self._ego.reroute(after.route)
-            self.graphs.append(after.graph)
+            self._routes += 1
             self._unmapped = unmapped_lanes(after.graph, edges)
-            self._window = RouteWindow(self.id, edges, self._net.end_of, number=len(self.graphs))
+            self._window = RouteWindow(self.id, edges, self._net.end_of, number=self._routes)
         self._driving = after
 
     def _light_crossed(self, step: Step) -> str:

@@ -6,11 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from sumo_reactive.lab.batch.store_file import BRAKING_ROW, COLLISION_ROW, DECISION_ROW, EMERGENCY_ROW
+from sumo_reactive.lab.batch.store_file import DECISION_ROW, EMERGENCY_ROW
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.result import Collision, Fault, HardBrake, Violation
 from sumo_reactive.lab.task import Driver, Ending
 from sumo_reactive.lab.trace import Entry, entry_of
 
@@ -126,10 +126,4 @@ def happenings(results: Results, key: str) -> tuple[list[Entry], list[Fault]]:
     told = [row[:4] for row in rows if row[1] not in (DECISION_ROW, EMERGENCY_ROW)]
     if any(value is None for row in told for value in row):
         raise results.damaged(f"an event of trial {key[:12]} is none")
-    return entries, [_fault(*row) for row in told]
-
-
-def _fault(time: float, kind: str, user: str, lane: str) -> Fault:
-    if kind == COLLISION_ROW:
-        return Collision(time, user, lane)
-    return HardBrake(time, user, lane) if kind == BRAKING_ROW else Violation(time, kind, lane, user)
+    return entries, [Fault(*row) for row in told]

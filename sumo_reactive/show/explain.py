@@ -13,7 +13,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.metric_names import event_key
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show import sentences
-from sumo_reactive.show.recording import CLOSE_S, EgoState, Recording, state_at
+from sumo_reactive.show.recording import CLOSE_S, Recording, state_at
 
 
 def story(recording: Recording) -> Iterator[str]:
@@ -151,9 +151,11 @@ def _arrival(decision: Decision) -> float:
     return dict(decision.figures).get("arrival_s", math.inf)
 
 
-def _state_text(ego: EgoState) -> str:
-    behind = f", behind {ego.leader} at {ego.gap_m:.1f} m" if ego.leader and ego.gap_m is not None else ", no leader"
-    return f"{ego.time_s:.1f} s: the ego drives at {ego.speed_m_s:.1f} m/s, wants {ego.desired_speed_m_s:.1f} m/s{behind}."
+def _state_text(ego: Mapping[str, Any]) -> str:
+    leader, gap = ego["leader"], ego["gap_m"]
+    behind = f"behind {leader} at {gap:.1f} m" if leader and gap is not None else "no leader"
+    speeds = f"drives at {ego['speed_m_s']:.1f} m/s, wants {ego['desired_speed_m_s']:.1f} m/s"
+    return f"{ego['time_s']:.1f} s: the ego {speeds}, {behind}."
 
 
 def _in_full(entry: Entry, before: Entry | None) -> Iterator[str]:

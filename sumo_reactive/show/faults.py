@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Decision
 from sumo_reactive.lab.check import Verdict
-from sumo_reactive.lab.result import Collision, Fault, HardBrake, TrialResult, Violation
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.explain import decision_told, paragraph
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html, table
@@ -23,9 +23,10 @@ _MOST_FAULTS, _ENTRIES_BEFORE = 3, 3
 _JUDGEMENT_AGE_S = 10.0
 """An older decision to go on is not why something happened, s."""
 
-_FAULT_WORDS: dict[type[Fault], str] = {Collision: "ran into {user}", HardBrake: "made {user} brake hard"}
+_FAULT_WORDS = {COLLISION: "ran into {user}", HARD_BRAKING: "made {user} brake hard"}
 _RIGHT_OF_WAY = "got into the way of {user}"
-_RECORDED: dict[str, type[Fault]] = {"collisions": Collision, "violations": Violation, "hard_brakes": HardBrake}
+_RECORDED = {"collisions": COLLISION, "violations": "", "hard_brakes": HARD_BRAKING}
+"""Lists of faults in a summary, and the kind of all in them (empty: each says its own)."""
 
 _HEAD = ("time (s)", "behaviour", "what happened, what going on would lead to, what the ego does and why")
 _HOVER_WIDTH = 72
@@ -45,7 +46,7 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
     yield from verdict.reasons
     result, entries = verdict.outcome.result, verdict.outcome.entries
     if result is not None:
-        faults = faults_of(result)
+        faults = result.faults
         for fault in faults[:_MOST_FAULTS]:
             yield f"{fault_told(fault, entries)}:"
             yield from _trace(entries, fault.time)
@@ -61,15 +62,10 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
     yield f"replay: {verdict.case.replay}"
 
 
-def faults_of(result: TrialResult) -> list[Fault]:
-    """Return what the ego did to others and against rules, in order of time."""
-    return sorted((*result.collisions, *result.violations, *result.hard_brakes), key=attrgetter("time"))
-
-
 def faults_in(summary: Mapping[str, Any]) -> list[Fault]:
-    """Return the same from a recorded summary."""
+    """Return what the ego did to others and against rules by a recorded summary, in order of time."""
     found = (
-        kind(**{key.removesuffix("_s"): value for key, value in one.items()})
+        Fault(one["time_s"], kind or one["kind"], one["user_id"], one["lane_id"])
         for name, kind in _RECORDED.items()
         for one in summary.get(name, ())
     )
@@ -79,8 +75,8 @@ def faults_in(summary: Mapping[str, Any]) -> list[Fault]:
 def fault_told(fault: Fault, entries: Sequence[Entry]) -> str:
     """Return who suffered when, what the pilot had judged of him, and what came of it."""
     if not fault.user_id:
-        return f"at {fault.time:.1f} s: {str(fault).removesuffix(f' at {fault.time:.1f} s')}"
-    did = _FAULT_WORDS.get(type(fault), _RIGHT_OF_WAY).format(user=fault.user_id)
+        return f"at {fault.time:.1f} s: {fault.what}"
+    did = _FAULT_WORDS.get(fault.kind, _RIGHT_OF_WAY).format(user=fault.user_id)
     judged = judgement_of(fault, entries)
     if judged is None:
         return f"{did} at {fault.time:.1f} s; no decision before speaks of it"
@@ -155,10 +151,10 @@ def _came(fault: Fault, judged: EarlierJudgement) -> str:
         return f"; that was {after:.1f} s before"
     clears, arrives = figures["clearance_s"], figures["foe_arrival_s"]
     if clears >= arrives:
-        return f"; {'they met' if isinstance(fault, Collision) else 'it suffered'} after {after:.1f} s"
+        return f"; {'they met' if fault.kind == COLLISION else 'it suffered'} after {after:.1f} s"
     if after >= arrives:
         return f"; the ego was still there after {after:.1f} s"
-    if isinstance(fault, Collision):
+    if fault.kind == COLLISION:
         return f"; judged the gap {arrives:.1f} s, it was {after:.1f} s"
     late = after - clears
     ego = f"{-late:.1f} s before the ego was to be clear" if late < 0.0 else f"when the ego was late by {late:.1f} s"

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import duckdb
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
@@ -24,6 +24,9 @@ MAX_STEPS = 1_000_000
 
 CLOSE_S = 1e-6
 """Times nearer than this are the same, s."""
+
+_DECIMALS = 4
+"""Enough for a picture; the record has the rest."""
 
 _Text = Annotated[str, Field(min_length=1)]
 _Corner = Annotated[list[Number], Field(min_length=2, max_length=2)]
@@ -79,14 +82,28 @@ class Recording:
     regions: Mapping[str, Sequence[Sequence[float]]] = field(default_factory=dict)
 
 
-class EgoState(NamedTuple):
-    """The ego at a recorded step: speeds in m/s; `leader` limits it at distance `gap_m` (None: no leader)."""
+@dataclass(frozen=True)
+class Steps:
+    """The columns of a trajectory that are read, a value a step in order of time, None where there is none."""
 
-    time_s: float
-    speed_m_s: float
-    desired_speed_m_s: float
-    leader: str
-    gap_m: float | None
+    columns: Mapping[str, list[Any]]
+
+    def __getitem__(self, name: str) -> list[Any]:
+        return self.columns[name]
+
+    @property
+    def times(self) -> list[float]:
+        """Simulation time of each step, s."""
+        return self.columns["time_s"]
+
+    def index_at(self, time: float) -> int:
+        """Return the index of the step nearest to a time (s)."""
+        return min(range(len(self.times)), key=lambda k: abs(self.times[k] - time))
+
+    def difference(self, first: str, second: str) -> list[float | None]:
+        """Return one column less another, None where one of them has no value."""
+        pairs = zip(self[first], self[second], strict=True)
+        return [None if a is None or b is None else round(a - b, _DECIMALS) for a, b in pairs]
 
 
 def load(folder: Path) -> Recording:
@@ -103,14 +120,23 @@ def load(folder: Path) -> Recording:
     return Recording(folder, summary, entries, regions)
 
 
-def state_at(recording: Recording, time: float) -> EgoState:
-    """Return the ego at the last step up to `time` (s); raise ScenarioError for a time outside the run."""
-    columns = columns_of(recording, EgoState._fields)
+def state_at(recording: Recording, time: float) -> dict[str, Any]:
+    """Return what the last step up to `time` (s) says; raise ScenarioError for a time outside the run."""
+    columns = columns_of(recording, ("time_s", "speed_m_s", "desired_speed_m_s", "leader", "gap_m"))
     times = columns["time_s"]
     if not times[0] - CLOSE_S <= time <= times[-1] + CLOSE_S:
         raise ScenarioError(f"{recording.folder}: {time:g} s is outside the run ({times[0]:.1f} to {times[-1]:.1f} s)")
     k = bisect_right(times, time + CLOSE_S) - 1
-    return EgoState(**{name: values[k] for name, values in columns.items()})
+    return {name: values[k] for name, values in columns.items()}
+
+
+def read_steps(recording: Recording) -> Steps:
+    """Read the trajectory of a run; raise ScenarioError for one that lacks a column or a step."""
+
+    def rounded(value: object) -> object:
+        return round(value, _DECIMALS) if isinstance(value, float) else value
+
+    return Steps({name: [*map(rounded, column)] for name, column in columns_of(recording, tuple(_COLUMNS)).items()})
 
 
 def columns_of(recording: Recording, names: Sequence[str]) -> dict[str, list[Any]]:

@@ -10,16 +10,16 @@ from typing import Any
 from urllib.parse import quote
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.recorder import FLEET, PAGE, read_fleet
-from sumo_reactive.lab.result import Fault
 from sumo_reactive.show import page as frame
 from sumo_reactive.show.batch_page import batch_page
 from sumo_reactive.show.explain import footer
 from sumo_reactive.show.faults import decision_table, fault_sentence, faults_in
 from sumo_reactive.show.page import Html, Section
-from sumo_reactive.show.recording import Recording, load
+from sumo_reactive.show.recording import Recording, Steps, load, read_steps
 from sumo_reactive.show.run_map import MAP_NAME, buttons_of, map_figure, roads_of, views_of
-from sumo_reactive.show.run_timeline import BehaviourSpan, Steps, read_steps, spans_of, timeline_figure
+from sumo_reactive.show.run_timeline import BehaviourSpan, spans_of, timeline_figure
 
 _FROM_WHERE = "A path is that of the record, and begins in the folder where the run was started."
 _READING = (

@@ -17,13 +17,13 @@ from sumo_reactive.driver.geometry.polyline import moved_aside
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ReactiveError
-from sumo_reactive.lab.result import Fault
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.faults import fault_hover, hover_of
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, EDGE, FAULT, FRAME, JUNCTION, ROAD, SOFT, Html
-from sumo_reactive.show.recording import Recording
-from sumo_reactive.show.run_timeline import BehaviourSpan, Steps
+from sumo_reactive.show.recording import Recording, Steps
+from sumo_reactive.show.run_timeline import BehaviourSpan
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.net_reader import read_net
 

@@ -1,9 +1,8 @@
-"""What happened over time: the steps of a run as columns, decisions as a track, speed, distances ahead, potentials."""
+"""What happened over time: decisions as a track, speed, distances ahead, potentials."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -11,18 +10,11 @@ from plotly.graph_objects import Bar, Figure, Scatter
 from plotly.subplots import make_subplots
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.lab.result import Fault
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.faults import fault_hover, hover_of
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, FAULT, FRAME, SOFT, STOP
-from sumo_reactive.show.recording import Recording, columns_of
-
-_NEEDED = (
-    "time_s", "x_m", "y_m", "speed_m_s", "lane_id", "s_m", "desired_speed_m_s", "stop_m", "u", "u1", "u2", "u3", "leader",
-    "gap_m", "behaviour", "emergency",
-)  # fmt: skip
-_DECIMALS = 4
-"""Enough for a picture; the record has the rest."""
+from sumo_reactive.show.recording import Steps
 
 _HEIGHT_PX = 980
 _TRACK, _SPEED, _AHEAD, _POTENTIALS = 1, 2, 3, 4
@@ -36,30 +28,6 @@ _TERMS = {
 }
 
 
-@dataclass(frozen=True)
-class Steps:
-    """The columns of a trajectory that pictures need, a value a step, None where there is none."""
-
-    columns: Mapping[str, list[Any]]
-
-    def __getitem__(self, name: str) -> list[Any]:
-        return self.columns[name]
-
-    @property
-    def times(self) -> list[float]:
-        """Simulation time of each step, s."""
-        return self.columns["time_s"]
-
-    def index_at(self, time: float) -> int:
-        """Return the index of the step nearest to a time (s)."""
-        return min(range(len(self.times)), key=lambda k: abs(self.times[k] - time))
-
-    def difference(self, first: str, second: str) -> list[float | None]:
-        """Return one column less another, None where one of them has no value."""
-        pairs = zip(self[first], self[second], strict=True)
-        return [None if a is None or b is None else round(a - b, _DECIMALS) for a, b in pairs]
-
-
 class BehaviourSpan(NamedTuple):
     """From step `first` up to and with step `last` the ego showed one behaviour, from `start` to `end` (s)."""
 
@@ -68,15 +36,6 @@ class BehaviourSpan(NamedTuple):
     last: int
     start: float
     end: float
-
-
-def read_steps(recording: Recording) -> Steps:
-    """Read the trajectory of a run; raise ScenarioError for one that lacks a column or a step."""
-
-    def rounded(value: object) -> object:
-        return round(value, _DECIMALS) if isinstance(value, float) else value
-
-    return Steps({name: [*map(rounded, column)] for name, column in columns_of(recording, _NEEDED).items()})
 
 
 def spans_of(steps: Steps) -> list[BehaviourSpan]:

@@ -91,6 +91,10 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     return given
 
 
+def option_words(options: Mapping[str, str]) -> list[str]:
+    """Return options as a command line takes them."""
+    return [word for name, value in options.items() for word in (f"--{name.lstrip('-')}", value)]
+
 
 @dataclass(frozen=True, eq=False)
 class SumoConfig:

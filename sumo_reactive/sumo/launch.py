@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of, is_there, require_file
@@ -18,6 +19,7 @@ from sumo_reactive.sumo.config import (
     SumoConfig,
     given_options,
     is_true,
+    option_words,
     paths_beside,
     seconds_of,
 )
@@ -26,8 +28,14 @@ MAX_STEP_LENGTH_S = 1.0
 DEFAULT_STEP_LENGTH_S = 0.1
 """Used where the scenario steps coarser and nobody asks otherwise."""
 
-OptionOverride = tuple[str, str, str]
-"""Option, what the scenario says (SUMO's default where it says nothing), what is used."""
+
+class OptionOverride(NamedTuple):
+    """An option, what the scenario says of it (SUMO's default where it says nothing), what is used."""
+
+    option: str
+    scenario: str
+    used: str
+
 
 Runnable = Path | Mapping[str, str]
 """A configuration file, or the options that stand in place of one."""
@@ -65,9 +73,10 @@ def runnable_config(config: SumoConfig) -> tuple[Runnable, tuple[OptionOverride,
     _require_files(config)
     if not needless and not missing:
         return config.path, ()
-    left_out = [(name, value, "left out") for name, value in needless.items()]
+    left_out = [OptionOverride(name, value, "left out") for name, value in needless.items()]
     kept = {name: value for name, value in _found_from_anywhere(config, missing) if name not in needless}
-    return kept, (*left_out, *(("additional-files", str(file), "left out: missing") for file in missing))
+    left_out += [OptionOverride("additional-files", str(file), "left out: missing") for file in missing]
+    return kept, tuple(left_out)
 
 
 def _require_files(config: SumoConfig) -> None:
@@ -135,22 +144,20 @@ def sumo_arguments(
     defaults |= {"seed": str(seed), "step-length": "1", _PORT: _NO_PORT}
     ours = {name: used for name, used in ours.items() if name not in given}
     said = {name: config.options.get(name, defaults.get(name, "")) for name in ours}
-    changed = tuple((name, said[name], used) for name, used in ours.items() if not _same(said[name], used))
+    changed = tuple(OptionOverride(name, said[name], used) for name, used in ours.items() if not _same(said[name], used))
     ours |= _silence(config, given)
     if isinstance(runnable, Path):
         arguments = ["--configuration-file", str(runnable)]
     else:
         arguments = [f"--{name}={value}" for name, value in runnable.items() if name not in ours and name not in given]
-    for name, used in ours.items():
-        arguments += [f"--{name}", used]
-    return [*arguments, *sumo_options], changed
+    return [*arguments, *option_words(ours), *sumo_options], changed
 
 
 def passed_end(config: SumoConfig, time: float, sumo_options: Sequence[str]) -> tuple[OptionOverride, ...]:
     """Return the override of the scenario's `end` by an ego that has driven on until `time`, s; empty if there is none."""
     if config.end_s is None or time <= config.end_s or _END in given_options(sumo_options):
         return ()
-    return ((_END, config.options[_END], f"{time:.10g}"),)
+    return (OptionOverride(_END, config.options[_END], f"{time:.10g}"),)
 
 
 def _require_a_run(given: Mapping[str, str]) -> None:

@@ -198,20 +198,12 @@ class StandIns:
         self._present = ""
         self._edges: tuple[str, ...] = ()
 
-    def appear(self, place: OccupiedLane | None) -> None:
-        """Show it where it has to be, or hide it where it need not (None)."""
+    def show(self, place: OccupiedLane | None) -> None:
+        """Put it where it has to be, or remove it where it need not be (None)."""
         if place is None:
             self.hide()
-        else:
-            self.show(*place)
-
-    def show(
-        self, lane: Lane, x: float, y: float, speed: float, edges: tuple[str, ...], waits: bool = False
-    ) -> None:
-        """Put it on `lane` beside the ego's front (x, y) at `speed` m/s; `edges`: the route from the lane on.
-
-        One that `waits` is not made where somebody is.
-        """
+            return
+        lane, x, y, speed, edges, waits = place
         s, _ = lane.spine.project(x, y)
         if self._present and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()

@@ -52,8 +52,8 @@ def test_judging_a_step(benchmark, simulation):
     graph, nominal = simulation
     traffic = EgoObserver(EGO, Sensor()).observe(graph, nominal, 0.0, 10.0, 0.0)
     x, y, heading = nominal.curve.at(0.0)
-    jury, now = Jury(CAR.length, CAR.width, CAR.wheelbase, graph), count(UNTIL_S)
-    benchmark(lambda: jury.see(Scene(_record(next(now), x, y, heading), traffic.users)))
+    jury, now = Jury(CAR.length, CAR.width, CAR.wheelbase), count(UNTIL_S)
+    benchmark(lambda: jury.see(Scene(_record(next(now), x, y, heading), traffic.users, world=graph)))
     assert "collisions" in jury.figures()
 
 

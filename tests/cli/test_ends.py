@@ -120,7 +120,7 @@ def test_a_process_started_to_ignore_hang_ups_drives_on(tmp_path):
 @pytest.mark.parametrize("command", [("compare", "--jobs", 1, "--out", "out"), ("check", "--junit", "verdicts.xml")])
 @pytest.mark.parametrize("request_to_stop", ["SIGINT", "SIGTERM"])
 def test_a_request_to_stop_ends_what_runs_in_processes(tmp_path, command, request_to_stop):
-    stage = "import sumo_reactive.lab.runner as one; before(one, 'send', strike, 2)"
+    stage = "import multiprocessing.connection as one; before(one.Connection, 'send', strike, 2)"
     in_main = f"signal.pthread_kill(__import__('threading').main_thread().ident, signal.{request_to_stop})"
     answer = ended(
         BEFORE.format(strike=in_main) + stage, command[0], FOUR_WAY, *command[1:], folder=tmp_path

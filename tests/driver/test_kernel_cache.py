@@ -10,13 +10,13 @@ from helpers.programs import run_program
 
 import sumo_reactive
 from sumo_reactive.driver.compilation import KERNEL_ROOMS, READ_ROOMS
-from sumo_reactive.driver.kernel_cache import KernelCache
+from sumo_reactive.driver.kernel_folder import KernelCache
 
 CODE = """
 from pathlib import Path
 import resource, sys
 import numba
-from sumo_reactive.driver.kernel_cache import KernelCache
+from sumo_reactive.driver.kernel_folder import KernelCache
 
 def inner(x):
     return 2.0 * x

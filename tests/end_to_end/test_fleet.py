@@ -22,7 +22,7 @@ def scenario(name: str = "four_way_priority", **changes: object) -> Scenario:
 
 def seen(rule: EgoRule, **changes: object) -> tuple[FleetResult, dict[str, list[Scene]]]:
     scenes: dict[str, list[Scene]] = {}
-    fleet = run_fleet(scenario(**changes), rule, observer=lambda ego, scene: scenes.setdefault(ego, []).append(scene))
+    fleet = run_fleet(scenario(**changes), rule, observer=lambda scene: scenes.setdefault(scene.ego, []).append(scene))
     return fleet, scenes
 
 

@@ -8,7 +8,7 @@ from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
-from sumo_reactive.lab.result import Collision
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trace import Entry
@@ -29,7 +29,7 @@ def trial(seed, driver=Driver.REACTIVE, scenario="town.toml", parameters=None):
 
 def outcome(one, duration, jerk=2.0, entries=(), **others):
     """Return an arrival after `duration` (s), but for `others`."""
-    figures = {"rms_jerk_m_s3": jerk, "collisions": len(others.get("collisions", ()))}
+    figures = {"rms_jerk_m_s3": jerk, "collisions": len(others.get("faults", ()))}
     ego = one.task.scenario.ego
     done = result(ego=ego, seed=one.task.scenario.seed, end_s=5.0 + duration, figures=figures, **others)
     return Outcome(one.task, Ending.DONE, done, entries=entries, trajectory="digest", wall_s=0.1)
@@ -44,8 +44,8 @@ def made_store(path):
             kept.append((baseline, outcome(baseline, 40.0 + slower + seed, jerk=4.0 + 0.1 * seed)))
             kept.append((ours, outcome(ours, 30.0 + slower + 2.0 * seed, jerk=1.0 + 0.1 * seed)))
     hit = trial(4)
-    collision = Collision(13.0, "veh_<7>", "lane_0")
-    kept.append((hit, outcome(hit, 33.0, entries=(JUDGED,), collisions=(collision,))))
+    collision = Fault(13.0, COLLISION, "veh_<7>", "lane_0")
+    kept.append((hit, outcome(hit, 33.0, entries=(JUDGED,), faults=(collision,))))
     late, lost = trial(5), trial(6)
     kept.append((late, outcome(late, 99.0, arrived=False, ended="until 104 s")))
     kept.append((lost, Outcome(lost.task, Ending.CRASHED, reason="the process was killed by SIGKILL")))

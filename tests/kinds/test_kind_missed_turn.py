@@ -25,7 +25,7 @@ def queue(until: float) -> str:
 def test_a_turn_that_nobody_lets_the_ego_reach_is_made_up_for_by_another_way(tmp_path):
     scenario = situation(tmp_path, AROUND, car("ego", "ab bn nx", 10, departLane=0), queue(until=500), until=250)
     witness, recorder = Witness(), Recorder(tmp_path / "record")
-    result = run_trial(scenario, observer=lambda scene: (witness(), recorder.see(scene)), survey=recorder.survey)
+    result = run_trial(scenario, observer=lambda scene: (witness(), recorder.see(scene)))
     recorder.write(result)
     driven = [moment.lane.rpartition("_")[0] for moment in witness.moments if not moment.lane.startswith(":")]
     assert result.verdict == "arrived without a violation"

@@ -42,8 +42,8 @@ def user(name="other", x=0.0, y=0.0, heading=0.0, speed=0.0, lane="elsewhere_0",
     return RoadUser(name, x, y, heading, speed, lane, position, Body(*size, 9.0, 50.0), route)
 
 
-def drive(judge, ego, others, steps, dt=0.1):
-    """Show `judge` what functions `ego(t)` (a record) and `others(t)` (users) give."""
+def drive(judge, ego, others, steps, dt=0.1, world=None):
+    """Show `judge` what functions `ego(t)` (a record) and `others(t)` (users) give, in a world."""
     for k in range(steps):
         t = k * dt
-        judge.see(Scene(ego(t), tuple(others(t))))
+        judge.see(Scene(ego(t), tuple(others(t)), world=world))

@@ -24,7 +24,8 @@ from sumo_reactive.lab.comparison.record import (
     require_usable,
     write,
 )
-from sumo_reactive.lab.result import Collision, TrialResult
+from sumo_reactive.lab.fault import COLLISION, Fault
+from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
@@ -36,10 +37,10 @@ CONFIG = ROOT / "networks" / "four_way_priority" / "four_way_priority.sumocfg"
 
 def side(driver: Driver, duration: float, arrived: bool = True, loss: float = 10.0, collisions: int = 0) -> Side:
     """A run of `duration` s; the others lost `loss` s."""
-    touched = tuple(Collision(1.0, "a", "lane") for _ in range(collisions))
+    touched = tuple(Fault(1.0, COLLISION, "a", "lane") for _ in range(collisions))
     result = TrialResult(
         "a.sumocfg", "ego", "as named", 42, 0.1, "default", arrived, "arrived" if arrived else "until 600 s", 0.0, 5.0,
-        5.0 + duration, 1.0, 100.0, {"collisions": collisions}, collisions=touched,
+        5.0 + duration, 1.0, 100.0, {"collisions": collisions}, faults=touched,
     )  # fmt: skip
     effects = NetworkEffects({"others_time_loss_s": loss, "others_stops": 2}, {"a": Arrival(loss, 1.0)})
     return Side(Outcome(Task(SCENARIO, driver), Ending.DONE, result), effects)

@@ -5,12 +5,12 @@ from helpers.results import result
 
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.lab.check import unmet
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.result import Collision, Violation
 from sumo_reactive.lab.scenario import Expectation, Limit
 
-CRASH = Collision(12.34, "veh_12", "a_0")
-RED = Violation(8.0, "red light run", "a_0")
+CRASH = Fault(12.34, COLLISION, "veh_12", "a_0")
+RED = Fault(8.0, "red light run", "", "a_0")
 
 
 def test_a_clean_arrival_is_what_is_expected_of_everybody():
@@ -18,13 +18,13 @@ def test_a_clean_arrival_is_what_is_expected_of_everybody():
 
 
 def test_what_did_not_come_is_named():
-    found = unmet(Expectation(), result(arrived=False, ended="until 35 s", collisions=(CRASH,), violations=(RED,)))
+    found = unmet(Expectation(), result(arrived=False, ended="until 35 s", faults=(RED, CRASH)))
     assert found == ("did not arrive (until 35 s)", "collision with veh_12 at 12.3 s", "red light run at 8.0 s")
 
 
 def test_more_faults_may_be_allowed():
-    assert unmet(Expectation(collisions=1), result(collisions=(CRASH,))) == ()
-    (reason,) = unmet(Expectation(collisions=1), result(collisions=(CRASH, CRASH)))
+    assert unmet(Expectation(collisions=1), result(faults=(CRASH,))) == ()
+    (reason,) = unmet(Expectation(collisions=1), result(faults=(CRASH, CRASH)))
     assert reason.startswith("2 collisions, expected at most 1: collision with veh_12")
 
 

@@ -25,7 +25,7 @@ FILES = ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"
 def driven(folder, egos, **options):
     recorder = FleetRecorder(folder, **options)
     for ego in egos:
-        recorder.see(ego, Scene(record(0.1, x=1.0), ()))
+        recorder.see(Scene(record(0.1, x=1.0), (), ego=ego))
     recorder.write(FleetResult(tuple(result(ego=ego) for ego in egos), (), frozenset(), 60.0, 1.0, 1.0))
 
 

@@ -14,12 +14,17 @@ from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 from sumo_reactive.driver.world.road_graph import RoadGraph, arcs_of
+from sumo_reactive.lab.fault import HARD_BRAKING
 from sumo_reactive.lab.metrics.jury import Jury
 
 
 @pytest.fixture
 def jury():
     return Jury(5.0, 1.8, 3.0)
+
+
+def violations_of(jury):
+    return [fault for fault in jury.faults if fault.kind != HARD_BRAKING]
 
 
 def test_a_drive_alone_has_no_conflicts(jury):
@@ -32,26 +37,26 @@ def test_a_drive_alone_has_no_conflicts(jury):
 
 def test_one_contact_is_one_collision_however_long_it_lasts(jury):
     drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), lambda t: [user(x=15.0, speed=0.0)], 40)
-    assert [(c.user_id, c.lane_id) for c in jury.collisions] == [("other", "road_0")]
-    assert jury.collisions[0].time == pytest.approx(1.1)
+    assert [(c.user_id, c.lane_id) for c in jury.faults] == [("other", "road_0")]
+    assert jury.faults[0].time == pytest.approx(1.1)
 
 
 def test_whom_the_ego_touches_is_a_collision_whether_its_driver_looks_at_him_or_not(jury):
     beside = (user("overlooked", x=2.0), user("reactive.ghost.0", x=1.0), user("near", x=2.0, y=5.0))
     for k in range(3):
         jury.see(Scene(record(0.1 * k), (user("seen", x=1.0),), beside=(*beside, user("seen", x=1.0))))
-    assert [one.user_id for one in jury.collisions] == ["overlooked", "seen"]
+    assert [one.user_id for one in jury.faults] == ["overlooked", "seen"]
     assert jury.figures()["min_time_to_collision_s"] is None
 
 
 def test_a_graze_thinner_than_the_shrink_is_no_collision(jury):
     drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), lambda t: [user(x=15.0, y=1.71)], 40)
-    assert not jury.collisions
+    assert not jury.faults
 
 
 def test_a_ghost_is_nobody(jury):
     drive(jury, lambda t: record(t), lambda t: [user("reactive.ghost.0", x=1.0)], 3)
-    assert not jury.collisions
+    assert not jury.faults
 
 
 def test_time_to_collision_is_gap_over_closing_speed(jury):
@@ -84,7 +89,7 @@ def test_following_in_a_lane_is_no_encroachment(jury):
 )
 def test_a_stop_line_crossed_on_red_before_the_step_and_in_it_is_a_red_light_run(jury, letters, runs):
     jury.see(Scene(record(), (), letters))
-    assert len(jury.violations) == jury.figures()["red_lights_run"] == runs
+    assert len(violations_of(jury)) == jury.figures()["red_lights_run"] == runs
 
 
 def _brakes_behind(x, y=0.0):
@@ -196,11 +201,11 @@ def _one_brakes(t, braking, route=("snin", "snout")):
         (2.0, 4.0, False, ("snin", "left"), 0),  # it turns off
     ],
 )
-def test_who_has_priority_and_must_brake_hard_is_obstructed(x, braking, mutual, route, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing(mutual))
-    drive(jury, lambda t: record(t, x=x, speed=1.0, lane_id=":j_0_0"), lambda t: _one_brakes(t, braking, route), 8)
-    assert len(jury.violations) == violations
-    assert [v.user_id for v in jury.violations] == ["other"] * violations
+def test_who_has_priority_and_must_brake_hard_is_obstructed(jury, x, braking, mutual, route, violations):
+    ego, world = (lambda t: record(t, x=x, speed=1.0, lane_id=":j_0_0")), _crossing(mutual)
+    drive(jury, ego, lambda t: _one_brakes(t, braking, route), 8, world=world)
+    assert len(violations_of(jury)) == violations
+    assert [v.user_id for v in violations_of(jury)] == ["other"] * violations
 
 
 @pytest.mark.parametrize(
@@ -212,9 +217,7 @@ def test_who_has_priority_and_must_brake_hard_is_obstructed(x, braking, mutual, 
         ((5.0, -17.0), 6.8, 4.0, 1),  # he brakes on behind the ego
     ],
 )
-def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_then, braking_then, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing())
-
+def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(jury, gone_to, speed_then, braking_then, violations):
     def ego(t):
         x, y = (2.0, 0.0) if t < 0.95 else gone_to
         return record(t, x=x, y=y, speed=1.0, lane_id=":j_0_0")
@@ -223,25 +226,25 @@ def test_who_brakes_on_when_the_ego_is_gone_has_another_reason(gone_to, speed_th
         (other,) = _one_brakes(t, 4.0)
         return [other if t < 0.95 else other._replace(speed=max(speed_then - braking_then * (t - 0.9), 0.0))]
 
-    drive(jury, ego, one, 25)
-    assert len(jury.violations) == violations
+    drive(jury, ego, one, 25, world=_crossing())
+    assert len(violations_of(jury)) == violations
 
 
 @pytest.mark.parametrize(("position", "speed", "violations"), [(2.0, 13.9, 0), (2.0, 10.0, 1), (25.0, 13.9, 1)])
-def test_who_comes_onto_a_slower_road_brakes_for_that(position, speed, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing())
+def test_who_comes_onto_a_slower_road_brakes_for_that(jury, position, speed, violations):
+    world = _crossing()
     one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=position, route=("snin", "snout"))
     for k in range(20):
         now = speed + 0.4 * max(10 - k, 0)  # −4 m/s² for a second
-        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=now),)))
-    assert len(jury.violations) == violations
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=now),), world=world))
+    assert len(violations_of(jury)) == violations
 
 
 @pytest.mark.parametrize(("dip", "violations"), [(0.45, 0), (2.0, 1)])
-def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(dip, violations):
-    jury = Jury(5.0, 1.8, 3.0, _crossing())
+def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(jury, dip, violations):
+    world = _crossing()
     one = user(x=0.0, y=-25.0, heading=math.pi / 2, lane="snin_0", position=25.0, route=("snin", "snout"))
     for k in range(20):
         speed = 14.0 - dip * (k == 12)
-        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=speed),)))
-    assert len(jury.violations) == violations
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=speed),), world=world))
+    assert len(violations_of(jury)) == violations

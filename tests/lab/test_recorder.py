@@ -15,9 +15,11 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import OutputError, ScenarioError
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.recorder import COLUMNS, Recorder
-from sumo_reactive.lab.result import Collision, TrialResult, Violation, rows_of
+from sumo_reactive.lab.result import TrialResult, rows_of
 from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
+from sumo_reactive.sumo.launch import OptionOverride
 
 
 def result(**others):
@@ -49,14 +51,14 @@ def recorded(folder, **options):
 
 def test_the_exit_code_and_the_verdict_follow_from_what_happened():
     assert (result().exit_code, result().verdict) == (0, "arrived without a violation")
-    hit = result(collisions=(Collision(41.3, "veh_12", "a_0"),))
+    hit = result(faults=(Fault(41.3, COLLISION, "veh_12", "a_0"),))
     assert (hit.exit_code, hit.verdict) == (1, "collision with veh_12 at 41.3 s")
-    assert result(violations=(Violation(3.0, "red light run", "a_0"),)).verdict == "red light run at 3.0 s"
+    assert result(faults=(Fault(3.0, "red light run", "", "a_0"),)).verdict == "red light run at 3.0 s"
     assert result(arrived=False, ended="until 60 s").verdict == "did not arrive (until 60 s)"
 
 
 def test_the_rows_name_verdict_and_overrides():
-    rows = dict(rows_of(result(overrides=(("random", "true", "false"),))))
+    rows = dict(rows_of(result(overrides=(OptionOverride("random", "true", "false"),))))
     assert rows["ego"] == "cab (as named)"
     assert rows["override random"] == "true → false"
 
@@ -77,9 +79,9 @@ def test_the_rows_tell_how_many_steps_needed_no_pilot():
 def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):
     waits = Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "decided", "veh_12")
     recorder = Recorder(tmp_path / "out")
-    recorder.see(Scene(record(0.0, decisions=(waits,)), ()))
-    recorder.see(Scene(record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),)), ()))
-    recorder.survey(world("decided", "claimed", "elsewhere"))
+    steps = record(0.0, decisions=(waits,)), record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),))
+    for step, known in zip(steps, (world("decided"), world("claimed", "elsewhere")), strict=True):
+        recorder.see(Scene(step, (), world=known))
     recorder.write(result())
     outlines = json.loads((tmp_path / "out" / "regions.json").read_text(encoding="utf-8"))
     square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.235]]

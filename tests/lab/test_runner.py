@@ -86,7 +86,7 @@ def test_a_process_whose_caller_is_gone_ends(scenario):
     one = Runner()
     one.run(Task(scenario), LIMIT_S)
     (child,) = [child for child in children() if child.pid == one._child._process.pid]
-    one._child._stdin.close()
+    one._child._orders.close()
     psutil.wait_procs([child], timeout=10)
     assert not child.is_running() or child.status() == psutil.STATUS_ZOMBIE
     one.close()

@@ -8,12 +8,13 @@ import pytest
 from distributed import KilledWorker
 
 from sumo_reactive.errors import ClusterError, StoreError
-from sumo_reactive.lab.batch.cluster import Cluster
+from sumo_reactive.lab.batch.cluster import report_of
 from sumo_reactive.lab.batch.engine import Order
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.batch.trials import Departure, Trial
-from sumo_reactive.lab.result import HardBrake, TrialResult, Violation
+from sumo_reactive.lab.fault import HARD_BRAKING, Fault
+from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Ending, Outcome, Task
 
@@ -65,12 +66,12 @@ def test_a_failure_is_a_row_that_can_be_forgotten(tmp_path):
 
 def test_what_fails_on_the_way_leaves_nothing_of_the_trial(tmp_path):
     one = trial(1)
-    broken = done(one, 10.0, hard_brakes=(HardBrake("no time", "other", "lane"),))
+    broken = done(one, 10.0, faults=(Fault("no time", HARD_BRAKING, "other", "lane"),))
     with Store(tmp_path / "s.duckdb") as store:
         with pytest.raises(StoreError):
             store.put(one, broken, 1)
         assert store.plan([one], []) == set()
-        store.put(one, done(one, 10.0, violations=(Violation(3.0, "red light", "lane"),)), 1)
+        store.put(one, done(one, 10.0, faults=(Fault(3.0, "red light", "", "lane"),)), 1)
     with duckdb.connect(str(tmp_path / "s.duckdb"), read_only=True) as database:
         assert database.execute("SELECT time_s, kind FROM events").fetchall() == [(3.0, "red light")]
         nothing = database.execute("SELECT value FROM metrics WHERE name = 'min_time_to_collision_s'").fetchall()
@@ -111,9 +112,9 @@ class Ended:
 
 def test_a_trial_whose_workers_die_is_a_row_and_a_lost_scheduler_an_error():
     order = Order(trial(1).task, 1.0, 0, "batch", "sources")
-    report = Cluster(None)._report(Ended("error", KilledWorker("task", None, 3)), order)
+    report = report_of(Ended("error", KilledWorker("task", None, 3)), order)
     assert (report.outcome.ending, report.attempts) == (Ending.CRASHED, 4)
     with pytest.raises(ClusterError, match="lost"):
-        Cluster(None)._report(Ended("lost"), order)
+        report_of(Ended("lost"), order)
     with pytest.raises(ClusterError, match="cannot run this package: ModuleNotFoundError"):
-        Cluster(None)._report(Ended("error", ModuleNotFoundError("sumo_reactive")), order)
+        report_of(Ended("error", ModuleNotFoundError("sumo_reactive")), order)

@@ -7,7 +7,7 @@ from helpers.stores import made_store, trial
 
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.stored_results import Results
-from sumo_reactive.lab.result import Collision
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.show.batch_figures import distribution_figure, scatter_figure
 from sumo_reactive.show.batch_page import batch_page, differences_table, pairs_by_group, short_names
 from sumo_reactive.show.batch_trials import happenings, pairs_of, trials_in, worst_of
@@ -106,7 +106,7 @@ def test_what_happened_in_a_trial_is_read_back(store, trials):
     with Results(store) as results:
         entries, faults = happenings(results, hit.key)
     assert [entry.time for entry in entries] == [12.0]
-    assert faults == [Collision(13.0, "veh_<7>", "lane_0")]
+    assert faults == [Fault(13.0, COLLISION, "veh_<7>", "lane_0")]
 
 
 def test_the_worst_are_linked_and_have_the_command_that_replays_them(text):

@@ -8,7 +8,7 @@ from helpers.results import result
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.lab.check import Case, Verdict
-from sumo_reactive.lab.result import Collision, HardBrake, Violation
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.scenario import Expectation, Scenario
 from sumo_reactive.lab.task import Ending, Outcome
 from sumo_reactive.lab.trace import Entry
@@ -31,7 +31,7 @@ BEFORE = entry(38.4, meeting(True, (2.0, 3.1), (4.2, 5.0)))
 
 
 def test_a_gap_that_was_smaller_than_judged():
-    told = fault_told(Collision(41.3, "veh_12", "a_0"), [BEFORE])
+    told = fault_told(Fault(41.3, COLLISION, "veh_12", "a_0"), [BEFORE])
     assert told.startswith("ran into veh_12 at 41.3 s; at 38.4 s the ego judged: goes before veh_12")
     assert told.endswith("judged the gap 4.2 s, it was 2.9 s")
 
@@ -39,14 +39,14 @@ def test_a_gap_that_was_smaller_than_judged():
 @pytest.mark.parametrize(
     ("fault", "did", "came"),
     [
-        (Collision(43.4, "veh_12", ""), "ran into", "the ego was still there after 5.0 s"),
+        (Fault(43.4, COLLISION, "veh_12", ""), "ran into", "the ego was still there after 5.0 s"),
         (
-            Violation(41.0, "right of way taken", "", "veh_12"),
+            Fault(41.0, "right of way taken", "veh_12", ""),
             "got into the way of",
             "it suffered after 2.6 s, 1.6 s before it was expected there, 0.5 s before the ego was to be clear",
         ),
-        (HardBrake(42.0, "veh_12", ""), "made veh_12 brake hard", "when the ego was late by 0.5 s"),
-        (HardBrake(43.4, "veh_12", ""), "made veh_12 brake hard", "the ego was still there after 5.0 s"),
+        (Fault(42.0, HARD_BRAKING, "veh_12", ""), "made veh_12 brake hard", "when the ego was late by 0.5 s"),
+        (Fault(43.4, HARD_BRAKING, "veh_12", ""), "made veh_12 brake hard", "the ego was still there after 5.0 s"),
     ],
 )
 def test_what_came_is_compared_with_the_judgement(fault, did, came):
@@ -55,7 +55,7 @@ def test_what_came_is_compared_with_the_judgement(fault, did, came):
 
 
 def test_the_judgement_is_the_last_by_which_the_ego_went_on_not_long_before():
-    fault = Collision(41.3, "veh_12", "a_0")
+    fault = Fault(41.3, COLLISION, "veh_12", "a_0")
     stops = entry(41.0, meeting(False, (0.5, 2.0), (0.3, 1.0)))
     others = entry(39.0, meeting(True, (1.0, 2.0), (5.0, 6.0), cause="veh_3"))
     later = entry(41.4, meeting(True, (1.0, 2.0), (5.0, 6.0)))
@@ -65,8 +65,9 @@ def test_the_judgement_is_the_last_by_which_the_ego_went_on_not_long_before():
 
 
 def test_somebody_of_whom_nothing_was_decided():
-    assert fault_told(Collision(41.3, "veh_12", "a_0"), []) == "ran into veh_12 at 41.3 s; no decision before speaks of it"
-    assert fault_told(Violation(8.0, "red light run", "a_0"), []) == "at 8.0 s: red light run"
+    hit = Fault(41.3, COLLISION, "veh_12", "a_0")
+    assert fault_told(hit, []) == "ran into veh_12 at 41.3 s; no decision before speaks of it"
+    assert fault_told(Fault(8.0, "red light run", "", "a_0"), []) == "at 8.0 s: red light run"
 
 
 def failed(entries, **others):
@@ -76,9 +77,9 @@ def failed(entries, **others):
 
 
 def test_a_failure_tells_reasons_faults_the_trace_before_and_the_replay():
-    crash = Collision(41.3, "veh_12", "a_0")
+    crash = Fault(41.3, COLLISION, "veh_12", "a_0")
     trace = [entry(float(time)) for time in range(5)] + [BEFORE, entry(50.0)]
-    reason, fault, *lines, replay = failure_told(failed(trace, collisions=(crash,)))
+    reason, fault, *lines, replay = failure_told(failed(trace, faults=(crash,)))
     assert (reason, replay) == ("why not", "replay: sumo-reactive run a.toml --seed 7")
     assert fault.startswith("ran into veh_12") and fault.endswith(":")
     assert [line.split()[0] for line in lines] == ["3.0", "4.0", "38.4"]
@@ -100,8 +101,8 @@ def test_an_ego_that_was_late_shows_what_it_waited_for_longest():
 
 
 def test_many_faults_are_not_all_told():
-    faults = tuple(Collision(float(time), "veh_12", "a_0") for time in range(5))
-    assert "… and 2 more" in failure_told(failed([BEFORE], collisions=faults))
+    faults = tuple(Fault(float(time), COLLISION, "veh_12", "a_0") for time in range(5))
+    assert "… and 2 more" in failure_told(failed([BEFORE], faults=faults))
 
 
 def test_a_case_that_crashed_has_reason_and_replay_only():

@@ -10,17 +10,17 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.result import Collision, HardBrake, Violation
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.show.faults import faults_in
-from sumo_reactive.show.recording import load
+from sumo_reactive.show.recording import load, read_steps
 from sumo_reactive.show.reports import run_page
 from sumo_reactive.show.run_map import RoadMap, closed, edges_of, map_figure, outline_of, roads_of, views_of
-from sumo_reactive.show.run_timeline import read_steps, spans_of, timeline_figure
+from sumo_reactive.show.run_timeline import spans_of, timeline_figure
 from sumo_reactive.sumo.net_reader import read_net
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
-HIT = Collision(1.5, "veh_<7>", "a_0")
+HIT = Fault(1.5, COLLISION, "veh_<7>", "a_0")
 
 STEPS = [
     *(step(k) for k in range(10)),
@@ -33,7 +33,7 @@ STEPS = [
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("record") / "out"
-    return load(made_record(folder, STEPS, {"a|b": [[20.0, 0.0], [24.0, 0.0], [24.0, 4.0]]}, collisions=(HIT,)))
+    return load(made_record(folder, STEPS, {"a|b": [[20.0, 0.0], [24.0, 0.0], [24.0, 4.0]]}, faults=(HIT,)))
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +66,8 @@ def test_the_way_to_a_stop_is_known_only_where_there_is_one(steps):
 
 
 def test_faults_come_back_from_the_summary_in_order_of_time(tmp_path):
-    faults = (Collision(3.0, "x", "l"), Violation(1.0, "red light", "l"), HardBrake(2.0, "y", "l"))
-    made = made_record(tmp_path / "out", STEPS, collisions=faults[:1], violations=faults[1:2], hard_brakes=faults[2:])
+    faults = (Fault(3.0, COLLISION, "x", "l"), Fault(1.0, "red light", "", "l"), Fault(2.0, HARD_BRAKING, "y", "l"))
+    made = made_record(tmp_path / "out", STEPS, faults=faults)
     assert faults_in(load(made).summary) == sorted(faults, key=lambda fault: fault.time)
 
 

@@ -6,8 +6,8 @@ from scripted import Domain, script
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import canonical, given_options, is_true, paths_beside, read_config, seconds_of
-from sumo_reactive.sumo.devices import HAS_DEVICE, PROBABILITY, Equipment
 from sumo_reactive.sumo.outputs import Contact, read_contacts, read_teleports, read_trips, trip_of
+from sumo_reactive.sumo.vehicle_type import HAS_DEVICE, PROBABILITY, Equipment
 
 
 @pytest.mark.parametrize(

@@ -20,14 +20,14 @@ ROUTES = """<routes><vType id="scattered" speedFactor="normc(1,0.1,0.2,2)"/>
 
 SHOW = """
 import sys, libsumo
-from sumo_reactive.sumo.stand_ins import StandIns
+from sumo_reactive.sumo.stand_ins import OccupiedLane, StandIns
 from sumo_reactive.sumo.net_reader import read_net
 libsumo.start(["sumo", "-n", sys.argv[1], "-r", sys.argv[2], "--no-step-log"])
 libsumo.simulationStep()
 ghosts = StandIns("ego")
 lane = read_net(__import__("pathlib").Path(sys.argv[1])).lane("ab_1")
 for _ in range(2):
-    ghosts.show(lane, 60.0, -4.8, 20.0, ("ab",))
+    ghosts.show(OccupiedLane(lane, 60.0, -4.8, 20.0, ("ab",)))
     libsumo.simulationStep()
 print(len([name for name in libsumo.vehicle.getIDList() if name.startswith("reactive.ghost")]))
 """
@@ -61,7 +61,7 @@ def present() -> dict[str, str]:
 def test_a_ghost_is_beside_the_ego_as_fast_as_it_and_in_the_middle_of_the_lane(tmp_path):
     with haunted(tmp_path) as (ghosts, lane):
         for x in (60.0, 65.0):
-            ghosts.show(lane, x, -4.0, 5.0, ("ab",))
+            ghosts.show(OccupiedLane(lane, x, -4.0, 5.0, ("ab",)))
             simulated()
             (name,) = present()
             assert libsumo.vehicle.getPosition(name) == pytest.approx((x, lane.spine.at(x)[1]))
@@ -72,27 +72,27 @@ def test_a_ghost_is_beside_the_ego_as_fast_as_it_and_in_the_middle_of_the_lane(t
 
 def test_a_ghost_that_is_not_needed_is_gone(tmp_path):
     with haunted(tmp_path) as (ghosts, lane):
-        ghosts.appear(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
+        ghosts.show(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
         simulated()
         assert len(present()) == 1
-        ghosts.appear(None)
+        ghosts.show(None)
         simulated()
         assert present() == {}
         ghosts.hide()
         simulated()
-        ghosts.appear(OccupiedLane(lane, 80.0, -4.0, 5.0, ("ab",)))
+        ghosts.show(OccupiedLane(lane, 80.0, -4.0, 5.0, ("ab",)))
         simulated()
         assert (list(present()), ghosts.made) == (["reactive.ghost.ego.2"], 2)
 
 
 def test_a_ghost_that_sumo_has_taken_off_the_road_is_made_anew(tmp_path):
     with haunted(tmp_path) as (ghosts, lane):
-        ghosts.show(lane, 60.0, -4.0, 5.0, ("ab",))
+        ghosts.show(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
         simulated()
         libsumo.vehicle.remove("reactive.ghost.ego.1")
         simulated()
         for x in (65.0, 70.0):
-            ghosts.show(lane, x, -4.0, 5.0, ("ab",))
+            ghosts.show(OccupiedLane(lane, x, -4.0, 5.0, ("ab",)))
             simulated()
         assert list(present()) == ["reactive.ghost.ego.2"]
         libsumo.vehicle.remove("reactive.ghost.ego.2")
@@ -109,13 +109,13 @@ def test_one_that_waits_does_not_appear_where_somebody_is(tmp_path, other_at, wa
     other = vehicle("other", "ab", departPos=other_at, departLane=1, departSpeed=0, type="plain")
     with haunted(tmp_path, others=other) as (ghosts, lane):
         at = libsumo.vehicle.getLanePosition("other") - (other_at - 60.0)
-        ghosts.show(lane, at, -4.0, 5.0, ("ab",), waits)
+        ghosts.show(OccupiedLane(lane, at, -4.0, 5.0, ("ab",), waits))
         assert (ghosts.made == 1) is appears
 
 
 def test_two_ghosts_of_one_ego_are_told_apart_by_their_label(tmp_path):
     with haunted(tmp_path, label=".turning") as (ghosts, lane):
-        ghosts.show(lane, 60.0, -4.0, 5.0, ("ab",))
+        ghosts.show(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
         simulated()
         assert list(present()) == ["reactive.ghost.ego.turning.1"]
 
@@ -123,7 +123,7 @@ def test_two_ghosts_of_one_ego_are_told_apart_by_their_label(tmp_path):
 def test_a_ghost_is_in_no_output(tmp_path):
     trips = tmp_path / "trips.xml"
     with haunted(tmp_path, "--tripinfo-output", str(trips), "--tripinfo-output.write-unfinished", "true") as (ghosts, lane):
-        ghosts.show(lane, 60.0, -4.0, 5.0, ("ab",))
+        ghosts.show(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
         simulated()
         ghosts.hide()
         simulated()
@@ -138,6 +138,6 @@ def test_a_ghost_comes_to_the_next_road_as_a_new_one(tmp_path):
         simulated()
         ghosts, network = StandIns("ego"), read_net(net)
         for name, x, way in (("ab_1", 490.0, ("ab",)), ("bc_1", 510.0, ("bc",))):
-            ghosts.show(network.lane(name), x, -1.6, 5.0, way)
+            ghosts.show(OccupiedLane(network.lane(name), x, -1.6, 5.0, way))
             simulated()
         assert present() == {"reactive.ghost.ego.2": "bc_1"}

@@ -8,7 +8,7 @@ from net_recipes import MINIMAL
 from scripted import Domain, script
 
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.stand_ins import StandIns
+from sumo_reactive.sumo.stand_ins import OccupiedLane, StandIns
 from sumo_reactive.sumo.vehicle_type import KEEP_ROUTE_EXACT
 
 NAME, TYPE = "reactive.ghost.ego.x.1", "reactive.ghost.type.ego.x"
@@ -38,7 +38,7 @@ def scripted(monkeypatch, there=(), **vehicle):
 def test_a_stand_in_departs_at_once_where_it_is_to_be_driven_by_nobody(monkeypatch, net):
     told = scripted(monkeypatch)
     stand_ins = StandIns("ego", ".x")
-    stand_ins.show(net.lane("w_0"), 48.0123, 3.0, 5.125, ("w", "e"))
+    stand_ins.show(OccupiedLane(net.lane("w_0"), 48.0123, 3.0, 5.125, ("w", "e")))
     departure = {"depart": "now", "departLane": "0", "departPos": "25.01", "departSpeed": "5.12"}
     assert told == [
         ("add", NAME, NAME, TYPE, departure),
@@ -55,7 +55,7 @@ def test_its_type_is_the_egos_without_limits_and_without_devices_that_tell_of_it
     scripted(monkeypatch)
     stand_ins = StandIns("ego", ".x")
     for _ in range(2):
-        stand_ins.show(net.lane("w_0"), 48.0, 3.0, 5.0, ("w",))
+        stand_ins.show(OccupiedLane(net.lane("w_0"), 48.0, 3.0, 5.0, ("w",)))
         stand_ins.hide()
     silent = [f"has.{name}.device" for name in ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")]
     assert libsumo.vehicletype.told == [
@@ -69,7 +69,7 @@ def test_its_type_is_the_egos_without_limits_and_without_devices_that_tell_of_it
 
 def test_inside_a_junction_it_departs_on_the_road_before_and_is_moved_there(monkeypatch, net):
     told = scripted(monkeypatch)
-    StandIns("ego", ".x").show(net.lane(":j_0_0"), 99.0, -1.0, 5.0, ("w", "e"))
+    StandIns("ego", ".x").show(OccupiedLane(net.lane(":j_0_0"), 99.0, -1.0, 5.0, ("w", "e")))
     assert told[0][-1] == {"depart": "now", "departLane": "best", "departPos": "0.0", "departSpeed": "5.0"}
     assert told[-1][4:6] == pytest.approx((99.0, -1.6))
 
@@ -88,7 +88,7 @@ def test_it_is_moved_on_its_roads_and_through_junctions_and_made_anew_elsewhere(
         ("w_0", 50.0, -1.6, ("w", "e")), (":j_0_0", 99.0, -1.6, ()), ("e_0", 120.0, -1.6, ()), ("n_0", 101.0, 50.0, ("n",)),
         ("n_0", 101.0, 51.0, ()),
     ):  # fmt: skip
-        stand_ins.show(net.lane(name), x, y, 5.0, edges)
+        stand_ins.show(OccupiedLane(net.lane(name), x, y, 5.0, edges))
         kinds.append((stand_ins.made, *orders(told)))
     on, new = ("setSpeed", "moveToXY"), ("add", "setSpeedMode", "setLaneChangeMode", "setSpeed", "moveToXY")
     assert kinds == [(1, *new), (1, *on), (1, *on), (2, "remove", *new), (2, *on)]
@@ -99,7 +99,7 @@ def test_it_is_removed_once_as_one_that_has_vanished(monkeypatch, net):
     stand_ins = StandIns("ego")
     stand_ins.hide()
     assert told == []
-    stand_ins.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
+    stand_ins.show(OccupiedLane(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",)))
     told.clear()
     stand_ins.hide()
     stand_ins.hide()
@@ -111,7 +111,7 @@ def test_one_that_sumo_does_not_take_is_given_up_until_the_next_step(monkeypatch
     scripted(monkeypatch, **{order: libsumo.TraCIException("not known")})
     stand_ins = StandIns("ego")
     for made in (1, 2):
-        stand_ins.show(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",))
+        stand_ins.show(OccupiedLane(net.lane("w_0"), 50.0, -1.6, 5.0, ("w",)))
         assert stand_ins.made == made
     libsumo.vehicle.told.clear()
     stand_ins.hide()
@@ -128,10 +128,11 @@ def test_one_that_waits_appears_where_its_body_of_5_m_touches_nobodys(monkeypatc
     """On w_0, whose 96 m SUMO counts as 50: its front is at 48 m, which are 25."""
     scripted(monkeypatch, (*far, ("other", (front, length))))
     stand_ins = StandIns("ego")
-    stand_ins.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",), waits=True)
+    stand_ins.show(OccupiedLane(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",), waits=True))
     assert stand_ins.made == (0 if is_taken else 1)
-    stand_ins.show(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",))
+    stand_ins.show(OccupiedLane(net.lane("w_0"), 48.0, -1.6, 5.0, ("w",)))
     assert stand_ins.made == 1
     libsumo.vehicle.told.clear()
-    stand_ins.show(net.lane("w_0"), 49.0, -1.6, 5.0, ("w",), waits=True)  # there is one: it stays, whoever else is there
+    # there is one: it stays, whoever else is there
+    stand_ins.show(OccupiedLane(net.lane("w_0"), 49.0, -1.6, 5.0, ("w",), waits=True))
     assert orders(libsumo.vehicle.told) == ["setSpeed", "moveToXY"]

@@ -8,6 +8,7 @@ from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.decision import Decision, RegionState
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 STOP_PLACE = "the place to stop at"
 BEND = "the bend"
@@ -65,13 +66,16 @@ class StepRecord(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """All that a judge may look at after a step, as SUMO has it: the ego's record and every road user near.
+    """All that a judge may look at after a step of `ego`, as SUMO has it: the ego's record and every road user near.
 
     `crossed`: the letters, before the step and in it, of a light whose stop line the ego crosses (empty: none crossed).
-    `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not.
+    `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not. `world`: the roads
+    around the route on which the step was driven (None: nobody knows them).
     """
 
     step: StepRecord
     users: tuple[RoadUser, ...]
     crossed: str = ""
     beside: tuple[RoadUser, ...] = ()
+    ego: str = ""
+    world: RoadGraph | None = None

@@ -8,13 +8,14 @@ import uuid
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import dask
 from distributed import Client, Future, KilledWorker, as_completed
 
 from sumo_reactive.errors import ClusterError, ReactiveError
-from sumo_reactive.lab.batch.engine import Order, Report, run_order_apart, stop_batch
+from sumo_reactive.lab.batch.engine import Order, Report, Workers, run_order_apart, stop_batch
 from sumo_reactive.lab.task import Ending, Outcome
 
 SCHEDULER_PATIENCE_S = 10.0
@@ -29,63 +30,48 @@ _QUIET: dict[str, Any] = {
 }
 
 
-class Cluster:
-    """Workers that take orders; `batch` names this use of them."""
-
-    def __init__(self, client: Client) -> None:
-        self._client = client
-        self.batch = uuid.uuid4().hex
-
-    @property
-    def workers(self) -> int:
-        """How many trials run at the same time."""
-        threads: dict[str, int] = self._client.nthreads()
-        return sum(threads.values())
-
-    def reports(self, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
-        """Yield the number of an order and what became of it, as they come in; raise ClusterError if the cluster is lost."""
-        futures = self._client.map(run_order_apart, list(orders), key=[f"{self.batch}-{k}" for k in range(len(orders))])
-        numbers = {future.key: k for k, future in enumerate(futures)}
-        waiting = as_completed(futures, raise_errors=False)
-        futures.clear()
-        try:
-            for future in waiting:
-                number = numbers[future.key]
-                yield number, self._report(future, orders[number])
-        except (OSError, TimeoutError, CancelledError) as error:
-            raise ClusterError(_LOST) from error
-
-    def stop(self) -> None:
-        """End the trials of this batch wherever they run."""
-        with contextlib.suppress(Exception):
-            self._client.run(stop_batch, self.batch, on_error="ignore")
-
-    def _report(self, future: Future[Any], order: Order) -> Report:
-        if future.status == "finished":
-            report: Report = future.result()
-            return report
-        if future.status != "error":
-            raise ClusterError(_LOST)
-        error = future.exception()
-        if isinstance(error, KilledWorker):
-            reason = "every worker that ran it died"
-            return Report(Outcome(order.task, Ending.CRASHED, reason=reason), dask.config.get(_ALLOWED) + 1)
-        if isinstance(error, ReactiveError):
-            raise error
-        raise ClusterError(f"a worker cannot run this package: {type(error).__name__}: {error}") from error
-
-
 @contextmanager
-def cluster(scheduler: str) -> Iterator[Cluster]:
+def cluster(scheduler: str) -> Iterator[Workers]:
     """Give the workers of a scheduler that runs at an address; their trials end with it. Raises ClusterError."""
     for name in ("distributed", *(one for one in logging.root.manager.loggerDict if one.startswith("distributed."))):
         logging.getLogger(name).setLevel(logging.CRITICAL)
+    batch = uuid.uuid4().hex
     with dask.config.set(_QUIET), _reached(scheduler) as client:
-        found = Cluster(client)
         try:
-            yield found
+            yield Workers(batch, sum(client.nthreads().values()), partial(_reports, client, batch))
         finally:
-            found.stop()
+            with contextlib.suppress(Exception):
+                client.run(stop_batch, batch, on_error="ignore")
+
+
+def _reports(client: Client, batch: str, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
+    """Yield the number of an order and what became of it, as they come in; raise ClusterError if the cluster is lost."""
+    futures = client.map(run_order_apart, list(orders), key=[f"{batch}-{k}" for k in range(len(orders))])
+    numbers = {future.key: k for k, future in enumerate(futures)}
+    waiting = as_completed(futures, raise_errors=False)
+    futures.clear()
+    try:
+        for future in waiting:
+            number = numbers[future.key]
+            yield number, report_of(future, orders[number])
+    except (OSError, TimeoutError, CancelledError) as error:
+        raise ClusterError(_LOST) from error
+
+
+def report_of(future: Future[Any], order: Order) -> Report:
+    """Return what became of an order that has ended; raise ClusterError if no worker could run it."""
+    if future.status == "finished":
+        report: Report = future.result()
+        return report
+    if future.status != "error":
+        raise ClusterError(_LOST)
+    error = future.exception()
+    if isinstance(error, KilledWorker):
+        reason = "every worker that ran it died"
+        return Report(Outcome(order.task, Ending.CRASHED, reason=reason), dask.config.get(_ALLOWED) + 1)
+    if isinstance(error, ReactiveError):
+        raise error
+    raise ClusterError(f"a worker cannot run this package: {type(error).__name__}: {error}") from error
 
 
 def _reached(scheduler: str) -> Client:

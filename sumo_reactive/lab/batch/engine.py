@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
@@ -85,35 +85,32 @@ def _run(order: Order) -> Outcome:
                 _idle[order.batch].append(runner)
 
 
-class Here:
-    """So many trials at the same time; `batch` names this use of them."""
+class Workers(NamedTuple):
+    """Who runs trials, `number` at the same time, and tells the number of an order and what became of it as they come in.
 
-    def __init__(self, workers: int) -> None:
-        self.workers = workers
-        self.batch = uuid.uuid4().hex
-        self._threads = ThreadPoolExecutor(workers)
+    `batch` names this use of them.
+    """
 
-    def reports(self, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
-        """Yield the number of an order and what became of it, as they come in."""
-        numbers = {self._threads.submit(run_order, order): k for k, order in enumerate(orders)}
-        for future in as_completed(numbers):
-            yield numbers[future], future.result()
-
-    def stop(self) -> None:
-        """End the trials that run, and begin no more."""
-        self._threads.shutdown(wait=False, cancel_futures=True)
-        stop_batch(self.batch)
-        self._threads.shutdown()
+    batch: str
+    number: int
+    reports: Callable[[Sequence[Order]], Iterator[tuple[int, Report]]]
 
 
 @contextmanager
-def here(workers: int) -> Iterator[Here]:
+def here(number: int) -> Iterator[Workers]:
     """Give so many workers; their trials end with it."""
-    found = Here(workers)
+    batch, threads = uuid.uuid4().hex, ThreadPoolExecutor(number)
+
+    def reports(orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
+        numbers = {threads.submit(run_order, order): k for k, order in enumerate(orders)}
+        return ((numbers[future], future.result()) for future in as_completed(numbers))
+
     try:
-        yield found
+        yield Workers(batch, number, reports)
     finally:
-        found.stop()
+        threads.shutdown(wait=False, cancel_futures=True)
+        stop_batch(batch)
+        threads.shutdown()
 
 
 class Watcher(Protocol):
@@ -124,19 +121,6 @@ class Watcher(Protocol):
 
     def ended(self, trial: Trial, report: Report) -> None:
         """A trial has ended, and is stored."""
-
-
-class Workers(Protocol):
-    """Who runs trials; `batch` names this use of them."""
-
-    batch: str
-
-    @property
-    def workers(self) -> int:
-        """How many trials run at the same time."""
-
-    def reports(self, orders: Sequence[Order]) -> Iterator[tuple[int, Report]]:
-        """Yield the number of an order and what became of it, as they come in."""
 
 
 def scouted(experiment: Experiment, scenario: Scenario, store: Store | None) -> list[Departure]:
@@ -163,7 +147,7 @@ def run_batch(
         return
     keys, sources = experiment.keys, release()["sources"]
     with here(min(workers, len(trials))) if scheduler is None else _cluster(scheduler) as found:
-        watcher.started(found.workers)
+        watcher.started(found.number)
         orders = [Order(trial.task, keys.wall_limit_s, keys.retries, found.batch, sources) for trial in trials]
         for number, report in found.reports(orders):
             trial, outcome = trials[number], report.outcome

@@ -4,34 +4,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import duckdb
 
-from sumo_reactive.lab.batch.store_file import connected, events_of, told
+from sumo_reactive.lab.batch.store_file import StoreFile, events_of, told
 from sumo_reactive.lab.batch.trials import Departure, Trial, release
 from sumo_reactive.lab.task import Ending, Outcome
 
 
-class Store:
-    """A store that is open for writing; a context manager. Raises StoreError in one line for whatever goes wrong."""
+class Store(StoreFile):
+    """A store that is open for writing."""
 
     def __init__(self, path: Path) -> None:
-        self._path = path
-        self._database = connected(path, read_only=False)
-
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close the file; what was put is there."""
-        self._database.close()
+        super().__init__(path, read_only=False)
 
     def plan(self, trials: Sequence[Trial], metrics: Sequence[str], *, forget_failed: bool = False) -> set[str]:
         """Note the trials of the experiment as it is now and the metrics to show; return the keys of finished ones.
@@ -68,15 +56,12 @@ class Store:
     def without_result(self) -> list[tuple[str, str, str]]:
         """Return key, reason and replay command of the planned trials that came to no result, in their order."""
         rows = "SELECT key, ending || ': ' || reason, replay FROM trials JOIN plan USING (key)"
-        query = f"{rows} WHERE ending <> ? ORDER BY number"
-        with told(self._path):
-            return self._database.execute(query, [Ending.DONE.value]).fetchall()
+        return self.rows(f"{rows} WHERE ending <> ? ORDER BY number", [Ending.DONE.value])
 
     def departures(self, scouting: str) -> list[Departure]:
         """Return the trips that a scouting run found; none if there was no such run."""
         query = "SELECT vehicle_id, depart_s, length_m FROM departures WHERE scouting = ? ORDER BY depart_s, vehicle_id"
-        with told(self._path):
-            return [Departure(*row) for row in self._database.execute(query, [scouting]).fetchall()]
+        return [Departure(*row) for row in self.rows(query, [scouting])]
 
     def put_departures(self, scouting: str, found: Sequence[Departure]) -> None:
         """Keep the trips that a scouting run found."""
@@ -87,13 +72,14 @@ class Store:
 
     @contextmanager
     def _transaction(self) -> Iterator[duckdb.DuckDBPyConnection]:
-        with told(self._path):
-            self._database.begin()
+        with told(self.path):
+            self.database.begin()
             try:
-                yield self._database
-                self._database.commit()
+                yield self.database
+                self.database.commit()
             except BaseException:
-                _roll_back(self._database)
+                with suppress(duckdb.Error):
+                    self.database.rollback()
                 raise
 
 
@@ -105,10 +91,3 @@ def _row(trial: Trial, outcome: Outcome, attempts: int) -> Iterable[Any]:
         outcome.ending.value, outcome.reason, result.verdict if result else None, attempts,
         result.departure_s if result else None, outcome.wall_s, outcome.trajectory, trial.replay, json.dumps(release()),
     ]  # fmt: skip
-
-
-def _roll_back(database: duckdb.DuckDBPyConnection) -> None:
-    try:
-        database.rollback()
-    except duckdb.Error:
-        return

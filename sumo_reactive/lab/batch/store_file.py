@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Self
 
 import duckdb
 
@@ -72,7 +73,31 @@ _WRONG = {
 """Rows that no batch writes, by table."""
 
 
-def connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
+@contextmanager
+def told(path: Path) -> Iterator[None]:
+    """Turn an error of DuckDB, and what it cannot hand over, into one line."""
+    try:
+        yield
+    except StoreError:
+        raise
+    except InputError as error:
+        raise StoreError(str(error)) from error
+    except (duckdb.Error, OSError, MemoryError, OverflowError, ValueError) as error:
+        raise StoreError(f"{path}: {_line_of(str(error).replace(str(path), path.name))}") from error
+
+
+def _line_of(message: str) -> str:
+    first = " ".join(message.splitlines()[0].split()) if message else "unknown error"
+    if holder := re.search(r"lock is held.*?\(PID (\d+)\)", message):
+        return f"in use by process {holder[1]}: one batch at a time writes to a store"
+    if re.search(r"No space left|Disk quota|File too large|disk is full", message, re.IGNORECASE):
+        return f"no room to write: {first}; make room and run the batch again, finished trials are kept"
+    if "not a valid DuckDB" in message:
+        return "not the store of an experiment"
+    return f"cannot be used: {first}"
+
+
+def _connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duckdb.DuckDBPyConnection:
     """Open a store; a new one is made if `read_only` does not hold. Raises StoreError for whatever else there is."""
     is_new = not os.path.lexists(path)
     if is_new and read_only:
@@ -97,28 +122,30 @@ def connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duck
     return database
 
 
-@contextmanager
-def told(path: Path) -> Iterator[None]:
-    """Turn an error of DuckDB, and what it cannot hand over, into one line."""
-    try:
-        yield
-    except StoreError:
-        raise
-    except InputError as error:
-        raise StoreError(str(error)) from error
-    except (duckdb.Error, OSError, MemoryError, OverflowError, ValueError) as error:
-        raise StoreError(f"{path}: {_line_of(str(error).replace(str(path), path.name))}") from error
+class StoreFile:
+    """A store that is open; a context manager. Raises StoreError in one line for whatever goes wrong.
 
+    It gets at no file but the store and `files`.
+    """
 
-def _line_of(message: str) -> str:
-    first = " ".join(message.splitlines()[0].split()) if message else "unknown error"
-    if holder := re.search(r"lock is held.*?\(PID (\d+)\)", message):
-        return f"in use by process {holder[1]}: one batch at a time writes to a store"
-    if re.search(r"No space left|Disk quota|File too large|disk is full", message, re.IGNORECASE):
-        return f"no room to write: {first}; make room and run the batch again, finished trials are kept"
-    if "not a valid DuckDB" in message:
-        return "not the store of an experiment"
-    return f"cannot be used: {first}"
+    def __init__(self, path: Path, *, read_only: bool, files: Sequence[str] = ()) -> None:
+        self.path = path
+        self.database = _connected(path, read_only=read_only, files=files)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; what was put is there."""
+        self.database.close()
+
+    def rows(self, query: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
+        """Return what a query gives."""
+        with told(self.path):
+            return self.database.execute(query, list(values)).fetchall()
 
 
 def _require_no_code(path: Path, database: duckdb.DuckDBPyConnection) -> None:
@@ -155,26 +182,16 @@ def _require_values(path: Path, database: duckdb.DuckDBPyConnection) -> None:
             raise StoreError(f"{path}: a damaged store: '{table}' has a row that no batch writes")
 
 
-COLLISION_ROW, BRAKING_ROW, EMERGENCY_ROW, DECISION_ROW = "collision", "hard braking", "emergency", "decision"
+EMERGENCY_ROW, DECISION_ROW = "emergency", "decision"
 
 EventRow = tuple[float, str, str, str, str | None]
-"""Time (s), kind (a violation's is its own), user concerned, lane of the ego, a decision's entry as in `decisions.jsonl`."""
+"""Time (s), kind (a fault's is its own), user concerned, lane of the ego, a decision's entry as in `decisions.jsonl`."""
 
 
 def events_of(outcome: Outcome) -> list[EventRow]:
     """Return the events of a trial in order of time."""
-    return sorted((*_faults(outcome), *_decisions(outcome)), key=lambda row: row[0])
-
-
-def _faults(outcome: Outcome) -> Iterator[EventRow]:
-    if outcome.result is None:
-        return
-    for collision in outcome.result.collisions:
-        yield collision.time, COLLISION_ROW, collision.user_id, collision.lane_id, None
-    for violation in outcome.result.violations:
-        yield violation.time, violation.kind, violation.user_id, violation.lane_id, None
-    for brake in outcome.result.hard_brakes:
-        yield brake.time, BRAKING_ROW, brake.user_id, brake.lane_id, None
+    faults = outcome.result.faults if outcome.result else ()
+    return sorted((*((*fault, None) for fault in faults), *_decisions(outcome)), key=lambda row: row[0])
 
 
 def _decisions(outcome: Outcome) -> Iterator[EventRow]:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any, NamedTuple
 
 import duckdb
 
 from sumo_reactive.errors import StoreError
-from sumo_reactive.lab.batch.store_file import connected, told
+from sumo_reactive.lab.batch.store_file import StoreFile, told
 from sumo_reactive.lab.comparison.statistics import ConfidenceInterval, interval_of
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import nearest
@@ -59,33 +58,23 @@ class Table(NamedTuple):
     is_cut: bool = False
 
 
-class Results:
-    """A store open for reading; a context manager. Raises StoreError for what cannot be read or asked.
-
-    It gets at no file but the store and `files`.
-    """
+class Results(StoreFile):
+    """A store open for reading."""
 
     def __init__(self, path: Path, files: Sequence[str] = ()) -> None:
-        self._path = path
-        self._database = connected(path, read_only=True, files=files)
-
-    def __enter__(self) -> Results:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self._database.close()
+        super().__init__(path, read_only=True, files=files)
 
     def metrics(self, asked: Sequence[str]) -> list[str]:
         """Return the metrics to show: those asked for, else those that the experiment names."""
         for name in asked:
             if name not in METRICS:
                 raise StoreError(f"unknown metric '{name}'{nearest(name, METRICS)}")
-        return list(asked) or [name for (name,) in self._rows("SELECT name FROM shown ORDER BY number")]
+        return list(asked) or [name for (name,) in self.rows("SELECT name FROM shown ORDER BY number")]
 
     @property
     def progress(self) -> tuple[int, int]:
         """How many planned trials are finished, and how many there are."""
-        finished, planned = self._rows("SELECT count(ending), count(*) FROM plan LEFT JOIN trials USING (key)")[0]
+        finished, planned = self.rows("SELECT count(ending), count(*) FROM plan LEFT JOIN trials USING (key)")[0]
         return int(finished), int(planned)
 
     def groups(self, metrics: Sequence[str]) -> list[Group]:
@@ -94,7 +83,7 @@ class Results:
         values = "".join(f', list("{name}" ORDER BY number) FILTER ("{name}" IS NOT NULL)' for name in metrics)
         return [
             Group(row[0], row[1], self.varied(row[2], row[3]), row[6], row[5], tuple(_mean(one) for one in row[7:]))
-            for row in self._rows(_VALUES.format(names=names, values=values))
+            for row in self.rows(_VALUES.format(names=names, values=values))
             if row[0] is not None
         ]
 
@@ -104,39 +93,35 @@ class Results:
 
     def happened(self, key: str) -> list[tuple[Any, ...]]:
         """Return time (s), kind, user, lane and entry of what happened in a trial, in order of time."""
-        return self._rows("SELECT time_s, kind, user_id, lane_id, entry FROM events WHERE key = ? ORDER BY time_s", [key])
+        return self.rows("SELECT time_s, kind, user_id, lane_id, entry FROM events WHERE key = ? ORDER BY time_s", [key])
 
     def asked(self, query: str, most: int | None = None) -> Table:
         """Return what one query gives, at most so many rows of it."""
-        with told(self._path):
+        with told(self.path):
             self._require_table(query)
-            found = self._database.execute(query)
+            found = self.database.execute(query)
             columns = tuple(name for name, *_ in found.description or ())
             rows = found.fetchall() if most is None else found.fetchmany(most + 1)
         return Table(columns, rows[:most], most is not None and len(rows) > most)
 
     def write(self, query: str | None, part: str, form: str) -> None:
         """Write what a query gives (None: a row a trial) to one of `files` as `csv` or `parquet`; raise `duckdb.Error`."""
-        with told(self._path):
+        with told(self.path):
             if query:
                 self._require_table(query)
-            table = self._database.sql(query or self._wide())
+            table = self.database.sql(query or self._wide())
         (table.write_csv if form == "csv" else table.write_parquet)(part)
 
     def _require_table(self, query: str) -> None:
         query.encode()  # an argument that is no text has no place in it that DuckDB could name
-        statements = self._database.extract_statements(query)
+        statements = self.database.extract_statements(query)
         if len(statements) != 1 or duckdb.ExpectedResultType.QUERY_RESULT not in statements[0].expected_result_type:
-            raise StoreError(f"{self._path}: not one query that gives a table")
+            raise StoreError(f"{self.path}: not one query that gives a table")
 
     def _wide(self) -> str:
-        found = [name for (name,) in self._rows("SELECT DISTINCT name FROM metrics")]
+        found = [name for (name,) in self.rows("SELECT DISTINCT name FROM metrics")]
         names = sorted(found, key=lambda name: (list(METRICS).index(name) if name in METRICS else len(METRICS), name))
         return _WIDE.format(names=", ".join("'{}'".format(name.replace("'", "''")) for name in names) or "''")
-
-    def _rows(self, query: str, values: Sequence[object] = ()) -> list[tuple[Any, ...]]:
-        with told(self._path):
-            return self._database.execute(query, list(values)).fetchall()
 
     def varied(self, *parts: str) -> str:
         """Return parameters and options of a trial in words."""
@@ -147,7 +132,7 @@ class Results:
 
     def damaged(self, how: str) -> StoreError:
         """Return the error that tells of a value which no batch writes."""
-        return StoreError(f"{self._path}: a damaged store: {how}")
+        return StoreError(f"{self.path}: a damaged store: {how}")
 
 
 def _mean(values: list[float] | None) -> Mean | None:

@@ -20,7 +20,7 @@ from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.simulation import started, versions
 from sumo_reactive.lab.task import Driver, Task, replay_command
-from sumo_reactive.sumo.config import INPUT_FILES, OUTPUT_FILES, read_config
+from sumo_reactive.sumo.config import INPUT_FILES, OUTPUT_FILES, option_words, read_config
 from sumo_reactive.sumo.input_files import inputs_of, words_of
 from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
 from sumo_reactive.sumo.session import is_road_car
@@ -49,8 +49,7 @@ def scout(scenario: Scenario) -> list[Departure]:
     with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
         trips = Path(folder) / "trips.xml"
         wanted = silenced(read_config(scenario.config).options) | {"tripinfo-output": str(trips), **AS_READ}
-        options = [word for name, value in wanted.items() for word in (f"--{name}", value)]
-        with started(replace(scenario, ego=None), options) as run:
+        with started(replace(scenario, ego=None), option_words(wanted)) as run:
             run.session.wait_for(look, scenario.until_s, None)
         found = [
             Departure(trip.vehicle_id, round(trip.departure - run.begin, 3), trip.length_m)
@@ -249,4 +248,4 @@ def _product(values: Mapping[str, list[Value]]) -> Iterator[dict[str, Value]]:
 def _words(options: Mapping[str, Word]) -> tuple[str, ...]:
     """Return options as SUMO's command line takes them."""
     said = {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in options.items()}
-    return tuple(word for name, value in said.items() for word in (f"--{name.lstrip('-')}", value))
+    return tuple(option_words(said))

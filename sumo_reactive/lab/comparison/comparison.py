@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from functools import cached_property
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
@@ -16,7 +16,7 @@ from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import scratch
-from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, read_config
+from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, option_words, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
 
 EGO_METRICS = (
@@ -47,6 +47,11 @@ class Side:
         return self.outcome.result
 
     @property
+    def figures(self) -> dict[str, MetricValue]:
+        """Every metric of the run by name, of the ego and of the others."""
+        return {**(self.result.metrics if self.result else {}), **(self.effects.figures if self.effects else {})}
+
+    @property
     def verdict(self) -> str:
         """What the run came to, in a line."""
         return self.result.verdict if self.result else f"{self.outcome.ending.value}: {self.outcome.reason}"
@@ -71,23 +76,14 @@ class Pair:
         found = self.sumo.result or self.reactive.result
         return found.ego if found else self.scenario.ego or ""
 
-    @property
+    @cached_property
     def metrics(self) -> dict[str, tuple[MetricValue, MetricValue]]:
         """Every metric of the comparison by name: SUMO's own driver's, this project's; None where there is none."""
-        theirs, ours = self._values()
+        theirs, ours = self.sumo.figures, self.reactive.figures
+        if self.sumo.effects and self.reactive.effects:
+            their_means, our_means = means_over_both(self.sumo.effects, self.reactive.effects)
+            theirs, ours = {**theirs, **their_means}, {**ours, **our_means}
         return {name: (theirs.get(name), ours.get(name)) for name in (*EGO_METRICS, *OTHERS_METRICS)}
-
-    def _values(self) -> tuple[dict[str, MetricValue], dict[str, MetricValue]]:
-        one, other = self.sumo, self.reactive
-        theirs: dict[str, MetricValue] = dict(one.result.metrics) if one.result else {}
-        ours: dict[str, MetricValue] = dict(other.result.metrics) if other.result else {}
-        theirs.update(one.effects.figures if one.effects else {})
-        ours.update(other.effects.figures if other.effects else {})
-        if one.effects and other.effects:
-            their_means, our_means = means_over_both(one.effects, other.effects)
-            theirs.update(their_means)
-            ours.update(our_means)
-        return theirs, ours
 
     def of(self, metric: str) -> tuple[float, float] | None:
         """Return both values of a metric where they can be compared."""
@@ -125,7 +121,7 @@ class Comparison:
     pairs: tuple[Pair, ...]
     horizon_s: float
 
-    @property
+    @cached_property
     def differences(self) -> dict[str, PairedDifference]:
         """Every metric that at least one pair has, in order: means and their paired difference, ours − SUMO's."""
         found = {}
@@ -180,10 +176,9 @@ def _task(scenario: Scenario, driver: Driver, outputs: Outputs, horizon_s: float
     ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
     options = outputs.options(config)
     _require_free(scenario, options)
-    added = (word for name, value in options.items() for word in (f"--{name}", value))
     asked = replace(
         scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True,
-        sumo_options=(*scenario.sumo_options, *added),
+        sumo_options=(*scenario.sumo_options, *option_words(options)),
     )  # fmt: skip
     return Task(asked, driver)
 
@@ -200,10 +195,6 @@ def _side(outcome: Outcome, outputs: Outputs) -> Side:
     """Return a run with its effects on the others, and remove what it has written."""
     result = outcome.result
     effects = effects_of(outputs, result.ego, int(result.figures.get("teleports") or 0)) if result else None
-    for file in _files(outputs):
+    for file in (outputs.trips, outputs.totals, outputs.contacts):
         file.unlink(missing_ok=True)
     return Side(outcome, effects)
-
-
-def _files(outputs: Outputs) -> Iterator[Path]:
-    yield from (outputs.trips, outputs.totals, outputs.contacts)

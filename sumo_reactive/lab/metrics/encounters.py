@@ -10,26 +10,26 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.lab.metrics.moment import Figures, Moment
-from sumo_reactive.lab.result import Collision, HardBrake
 
 
 class Collisions:
     """Counts each contact once, from touch to parting; pedestrians count too."""
 
     def __init__(self) -> None:
-        self.collisions: list[Collision] = []
+        self.faults: list[Fault] = []
         self._touching: frozenset[str] = frozenset()
 
     def see(self, moment: Moment) -> None:
         """Note who touches the ego now and did not before."""
         for user_id in sorted(moment.touching - self._touching):
-            self.collisions.append(Collision(moment.step.time, user_id, moment.step.lane_id))
+            self.faults.append(Fault(moment.step.time, COLLISION, user_id, moment.step.lane_id))
         self._touching = moment.touching
 
     def figures(self) -> Figures:
         """Return the number of collisions."""
-        return {"collisions": len(self.collisions)}
+        return {"collisions": len(self.faults)}
 
 
 NO_CONFLICT_S = 10.0
@@ -59,7 +59,7 @@ class TimeToCollision:
         return {"min_time_to_collision_s": round(self._smallest, 3), "min_time_to_collision_at_s": round(self._when, 3)}
 
 
-HARD_BRAKING = -4.6
+HARD_BRAKING_M_S2 = -4.6
 """m/s²; harder than SUMO's cars brake in comfort (4.5)."""
 
 LEADER_REACH_M = 60.0
@@ -74,26 +74,23 @@ class HardBraking:
     """
 
     def __init__(self) -> None:
-        self.hard_brakes: list[HardBrake] = []
+        self.faults: list[Fault] = []
         self._braking: set[str] = set()
 
     def see(self, moment: Moment) -> None:
         """Note who begins to brake hard behind the ego."""
-        if moment.hardest_braking >= HARD_BRAKING and not self._braking:
+        if moment.hardest_braking >= HARD_BRAKING_M_S2 and not self._braking:
             return
-        braking = {name for name, acceleration in moment.slowing.items() if acceleration < HARD_BRAKING}
+        braking = {name for name, acceleration in moment.slowing.items() if acceleration < HARD_BRAKING_M_S2}
         for user in moment.users:
-            if user.id in braking and user.id not in self._braking and not user.body.is_person:
-                self._judge(user, moment)
+            is_new = user.id in braking and user.id not in self._braking
+            if is_new and not user.body.is_person and _follows_ego(user, moment):
+                self.faults.append(Fault(moment.step.time, HARD_BRAKING, user.id, moment.step.lane_id))
         self._braking = braking
 
     def figures(self) -> Figures:
         """Return the number of vehicles that the ego made brake hard."""
-        return {"hard_braking_caused": len(self.hard_brakes)}
-
-    def _judge(self, user: RoadUser, moment: Moment) -> None:
-        if _follows_ego(user, moment):
-            self.hard_brakes.append(HardBrake(moment.step.time, user.id, moment.step.lane_id))
+        return {"hard_braking_caused": len(self.faults)}
 
 
 def _follows_ego(user: RoadUser, moment: Moment) -> bool:

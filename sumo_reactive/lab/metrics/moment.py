@@ -13,6 +13,7 @@ from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 SHRINK_M = 0.05
 """Boxes are this much smaller on each side in the contact test: positions and mirrors are no more exact."""
@@ -89,7 +90,7 @@ class Moment(NamedTuple):
     `duration` is the time since the last step (s, NaN at first), `acceleration` the ego's since then (m/s²). `users` are
     all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `times_to_collision` what it says (s,
     infinite: none). `touching` are those, of all that are beside, whose box and the ego's overlap. `slowing` maps those that
-    slow down to their acceleration (m/s², negative). `crossed` is the scene's.
+    slow down to their acceleration (m/s², negative). `crossed` and `world` are the scene's.
     """
 
     step: StepRecord
@@ -103,6 +104,7 @@ class Moment(NamedTuple):
     times_to_collision: Sequence[float]
     slowing: Mapping[str, float]
     crossed: str
+    world: RoadGraph | None
 
     @property
     def hardest_braking(self) -> float:
@@ -141,8 +143,8 @@ class Watch:
             name: (speed - before[name]) / duration for name, speed in speeds.items() if speed < before.get(name, 0.0)
         }
         self._last, self._speeds = step, speeds
-        size = self._length, self._width
-        return Moment(step, duration, acceleration, *size, near, boxes, touching, times, slowing, scene.crossed)
+        seen = self._length, self._width, near, boxes, touching, times, slowing
+        return Moment(step, duration, acceleration, *seen, scene.crossed, scene.world)
 
     def _contacts(
         self, step: StepRecord, users: tuple[RoadUser, ...], boxes: Floats

@@ -14,8 +14,8 @@ from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metrics.moment import Figures, Moment
-from sumo_reactive.lab.result import Violation
 
 NO_GO = frozenset("rRu")
 """Red, and red with yellow; "s" (stop, then go) is not among them."""
@@ -28,16 +28,16 @@ class RedLights:
     """
 
     def __init__(self) -> None:
-        self.violations: list[Violation] = []
+        self.faults: list[Fault] = []
 
     def see(self, moment: Moment) -> None:
         """Note a crossing on red."""
         if moment.crossed and NO_GO.issuperset(moment.crossed):
-            self.violations.append(Violation(moment.step.time, "red light run", moment.step.lane_id))
+            self.faults.append(Fault(moment.step.time, "red light run", "", moment.step.lane_id))
 
     def figures(self) -> Figures:
         """Return the number of red lights run."""
-        return {"red_lights_run": len(self.violations)}
+        return {"red_lights_run": len(self.faults)}
 
 
 OBSTRUCTED_BRAKING = -3.0
@@ -78,7 +78,7 @@ class _Suspicion(NamedTuple):
     """That who brakes does so because the ego is in a region (`polygon`), which it has left at `left` (s, None: not yet),
     when he drove with `speed` (m/s)."""
 
-    violation: Violation
+    fault: Fault
     polygon: Points
     left: float | None = None
     speed: float = 0.0
@@ -96,31 +96,28 @@ class RightOfWayViolations:
     drives as fast as it allows.
     """
 
-    def __init__(self, graph: RoadGraph | None) -> None:
-        self._found: list[Violation] = []
+    def __init__(self) -> None:
+        self._found: list[Fault] = []
         self._suspicions: dict[str, _Suspicion] = {}
-        self._graph = graph
+        self._graph: RoadGraph | None = None
         self._own: Connection | None = None
         self._obstructed: set[str] = set()
         self._past: deque[tuple[float, dict[str, float]]] = deque()
 
     @property
-    def violations(self) -> tuple[Violation, ...]:
+    def faults(self) -> tuple[Fault, ...]:
         """Every user obstructed, those whose reason to brake the run has left open included."""
-        return (*self._found, *(suspicion.violation for suspicion in self._suspicions.values()))
-
-    def enter(self, graph: RoadGraph) -> None:
-        """Judge in another world from now on."""
-        self._graph = graph
+        return (*self._found, *(suspicion.fault for suspicion in self._suspicions.values()))
 
     def see(self, moment: Moment) -> None:
         """Note who is newly obstructed."""
-        if self._graph is None:
+        self._graph = graph = moment.world
+        if graph is None:
             return
         self._remember(moment)
         if self._suspicions:
             self._review(moment)
-        own = self._graph.connection_of.get(moment.step.lane_id)
+        own = graph.connection_of.get(moment.step.lane_id)
         if own is not None and own is not self._own:
             self._own, self._obstructed = own, set()
         if self._own is None or not moment.users:
@@ -129,14 +126,14 @@ class RightOfWayViolations:
             return
         for user, time in zip(moment.users, moment.times_to_collision, strict=True):
             brakes = moment.slowing.get(user.id, 0.0) < OBSTRUCTED_BRAKING and self._has_braked(user, moment.step.time)
-            brakes = brakes and not _comes_onto_slower_road(self._graph, user)
+            brakes = brakes and not _comes_onto_slower_road(graph, user)
             suffers = brakes or time < NEAR_MISS_S
             if suffers and user.speed > OBSTRUCTED_SPEED and user.id not in self._obstructed:
-                self._judge(self._graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
+                self._judge(graph, self._own, user, moment, is_certain=time < NEAR_MISS_S)
 
     def figures(self) -> Figures:
         """Return the number of users obstructed; None where nobody knows the roads."""
-        return {"right_of_way_violations": None if self._graph is None else len(self.violations)}
+        return {"right_of_way_violations": None if self._graph is None else len(self.faults)}
 
     def _remember(self, moment: Moment) -> None:
         """Keep the speeds (m/s) of the last OBSTRUCTED_FOR_S, and of the step before."""
@@ -158,27 +155,27 @@ class RightOfWayViolations:
         for name, suspicion in tuple(self._suspicions.items()):
             user = users.get(name)
             if user is None or user.speed <= OBSTRUCTED_SPEED:
-                self._found.append(self._suspicions.pop(name).violation)
+                self._found.append(self._suspicions.pop(name).fault)
             elif _covers(moment, suspicion.polygon):
                 self._suspicions[name] = suspicion._replace(left=None)
             elif suspicion.left is None and _braking_behind(moment, user) > FOLLOWS_BRAKING:
-                self._found.append(self._suspicions.pop(name).violation)
+                self._found.append(self._suspicions.pop(name).fault)
             elif suspicion.left is None:
                 self._suspicions[name] = suspicion._replace(left=now, speed=user.speed)
             elif now - suspicion.left >= GOES_ON_S - ROUNDING_S:
                 if (user.speed - suspicion.speed) / (now - suspicion.left) > GOES_ON_BRAKING:
-                    self._found.append(suspicion.violation)
+                    self._found.append(suspicion.fault)
                 del self._suspicions[name]
 
     def _judge(self, graph: RoadGraph, own: Connection, user: RoadUser, moment: Moment, *, is_certain: bool) -> None:
         for region, other in _lost(graph, own):
             if _claims(graph, other, region, user) and _covers(moment, region.polygon):
                 self._obstructed.add(user.id)
-                violation = Violation(moment.step.time, "right of way taken", moment.step.lane_id, user.id)
+                fault = Fault(moment.step.time, "right of way taken", user.id, moment.step.lane_id)
                 if is_certain:
-                    self._found.append(violation)
+                    self._found.append(fault)
                 else:
-                    self._suspicions[user.id] = _Suspicion(violation, region.polygon)
+                    self._suspicions[user.id] = _Suspicion(fault, region.polygon)
                 return
 
 

@@ -1,4 +1,4 @@
-"""`sumo-reactive report`: a page of pictures and tables from a batch's store or a recorded run."""
+"""`sumo-reactive explain` and `report`: what has been recorded, told in sentences and shown on a page."""
 
 from __future__ import annotations
 
@@ -8,6 +8,20 @@ from typing import Annotated
 import typer
 
 from sumo_reactive.cli.app import app
+
+
+@app.command()
+def explain(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="folder that a run has written with --out")],
+    at: Annotated[float | None, typer.Option(help="tell all that was in force at this simulation time, s")] = None,
+) -> int:
+    """Tell in sentences why the ego of a recorded run did what it did."""
+    from sumo_reactive.show.explain import moment, story
+    from sumo_reactive.show.recording import load
+
+    recording = load(folder)
+    typer.echo("\n".join(story(recording) if at is None else moment(recording, at)))
+    return 0
 
 
 @app.command()

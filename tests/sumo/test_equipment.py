@@ -8,7 +8,7 @@ from simulations import running, simulated, vehicle
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import read_config
-from sumo_reactive.sumo.devices import Equipment
+from sumo_reactive.sumo.vehicle_type import Equipment
 
 
 def said(**values: object) -> str:

@@ -1,0 +1,25 @@
+"""What a judge finds: what the ego did to somebody, or against a rule."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+COLLISION, HARD_BRAKING = "collision", "hard braking"
+"""Boxes overlapped from then on; somebody behind the ego began to brake hard because of it. All else breaks a rule."""
+
+
+class Fault(NamedTuple):
+    """What the ego did to user `user_id` (empty: to nobody), or against a rule, at `time` (s), on its lane `lane_id`."""
+
+    time: float
+    kind: str
+    user_id: str
+    lane_id: str
+
+    @property
+    def what(self) -> str:
+        """What it was, in words."""
+        return f"{self.kind} {'with' if self.kind == COLLISION else 'of'} {self.user_id}" if self.user_id else self.kind
+
+    def __str__(self) -> str:
+        return f"{self.what} at {self.time:.1f} s"
