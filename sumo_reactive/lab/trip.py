@@ -28,7 +28,15 @@ from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.routes import RouteWindow, quickest_way, unmapped_lanes
 from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.stand_ins import Occupant, OccupiedLane, StandIns, ahead_of_mapping, left_behind, mapped_elsewhere, occupied_lane
+from sumo_reactive.sumo.stand_ins import (
+    Occupant,
+    OccupiedLane,
+    StandIns,
+    ahead_of_mapping,
+    left_behind,
+    mapped_elsewhere,
+    occupied_lane,
+)
 from sumo_reactive.sumo.vehicle_type import front_of
 
 

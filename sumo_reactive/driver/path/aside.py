@@ -72,8 +72,8 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
 
 
 def clear_of_others(line: Points, half_widths: Floats, reference: Reference, limits: VehicleLimits) -> Points:
-    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or at their
-    lines, or be abreast of the ego's there, from a neighbour lane of its road.
+    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or at
+    their lines, or be abreast of the ego's there, from a neighbour lane of its road.
 
     `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
     """
@@ -113,8 +113,8 @@ def _eased_in(shift: Floats, reach: int) -> Floats:
 
 
 def _waiting(connection: Connection, junction: Junction, graph: RoadGraph) -> Iterator[Points]:
-    """Yield the outlines (k, 2) of those who may wait while the ego, on another approach, passes: inside the junction, and at
-    their lines."""
+    """Yield the outlines (k, 2) of those who may wait while the ego, on another approach, passes: inside the junction,
+    and at their lines."""
     others = [c for c in junction.connections if not c.is_crossing and road_of(c.from_lane) != road_of(connection.from_lane)]
     yield from (_outline(c.path, c.wait_at) for c in others if c.wait_at is not None)
     for lane_id in dict.fromkeys(c.from_lane for c in others):
