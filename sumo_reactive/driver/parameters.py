@@ -173,8 +173,12 @@ WAITING_LENGTH_M = 5.0
 WAITING_WIDTH_M = 1.8
 """…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
-ABREAST_M = 2.8
-"""Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
+ABREAST_M = 4.5
+"""Two bodies of up to 2.5 m need 2.8 m between the middles of their ways to pass each other 0.3 m apart, and a long one in a
+tight turn 1.7 m more."""
+
+ABREAST_LENGTH_M = 12.0
+"""The longest ordinary body, a bus's."""
 
 ABREAST_WIDTH_M = 2.5
 """The widest ordinary body, a truck's or bus's."""

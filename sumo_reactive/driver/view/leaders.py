@@ -11,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import (
+    ABREAST_LENGTH_M,
     ABREAST_WIDTH_M,
     CROSSER_MARGIN_S,
     FOE_ACCELERATION,
@@ -29,7 +31,7 @@ from sumo_reactive.driver.parameters import (
 )
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
-from sumo_reactive.driver.world.abreast import abreast_of, beside
+from sumo_reactive.driver.world.abreast import abreast_of, beside, cut_by
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -80,8 +82,9 @@ def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleL
 
 
 class Narrow(NamedTuple):
-    """Between `start` and `end` of C (m) the way of `other` is `clearance` m beside it at the least, on that way between
-    `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge` is where `other` leads."""
+    """Between `start` and `end` of C (m) the `way` of `other` is `clearance` m beside it at the least, on that way between
+    `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge` is where `other` leads; C is to
+    the left of the way or not."""
 
     passage: int
     start: float
@@ -91,6 +94,12 @@ class Narrow(NamedTuple):
     other_start: float
     other_end: float
     clearance: float
+    way: Polyline
+    is_left: bool
+
+    def room_for(self, length: float, width: float) -> float:
+        """Return what a body of `length` and `width` (m) on the other way leaves beside its side, up to C, m."""
+        return self.clearance - 0.5 * width - cut_by(self.way, length)[0 if self.is_left else 1]
 
 
 @kept(PLANS_KEPT)
@@ -104,13 +113,15 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
             continue
         places = np.column_stack((curve.x[first:last], curve.y[first:last]))
         for other, way in abreast_of(graph, passage.connection_id):
-            aside = np.abs(beside(way, places))
-            at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M)
+            offsets = beside(way, places)
+            aside, nearest = np.abs(offsets), float(offsets[np.argmin(np.abs(offsets))])
+            cut = cut_by(way, ABREAST_LENGTH_M)[0 if nearest > 0.0 else 1]
+            at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M + cut)
             if len(at):
                 start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
                 along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
                 edge = graph.lanes[other.to_lane].edge_id
-                found.append(Narrow(i, start, end, other, edge, along, until, float(aside.min())))
+                found.append(Narrow(i, start, end, other, edge, along, until, abs(nearest), way, nearest > 0.0))
     return tuple(found)
 
 
@@ -137,7 +148,7 @@ def _coming(
     """Yield who comes to a narrow place that is too narrow for him beside the ego, and the way (m) to it."""
     for user in users:
         to_line = _to_line(user, narrow, graph)
-        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > MIN_ABREAST_M:
+        if to_line is None or narrow.room_for(user.body.length, user.body.width) - 0.5 * width > MIN_ABREAST_M:
             continue
         if user.speed >= STANDING_SPEED or to_line <= 0.0:
             yield to_line + narrow.other_start, user

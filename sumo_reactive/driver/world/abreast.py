@@ -1,4 +1,7 @@
-"""Ways from neighbour lanes of one road through a junction that come nearer to each other than the lanes are apart."""
+"""Ways from neighbour lanes of one road through a junction that come nearer to each other than bodies on them are wide.
+
+A long body is straight: in a bend its middle is as far inside of its way as the chord from its front to its rear.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,10 @@ from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, cut
 from sumo_reactive.driver.parameters import ABREAST_M, HOLD_BACK_REACH_M, SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+
+_CUT_STEP_M = 1.0
+"""A long body's chord is drawn this often along its way."""
 
 
 class Abreast(NamedTuple):
@@ -45,6 +52,23 @@ def beside(way: Polyline, places: Points) -> Floats:
     """Return how far left of a way each of `places` (n, 2) is, (n,), m; infinite where the way is not beside it."""
     s = way.arc_lengths_at(places)
     return np.where((s > 0.0) & (s < way.length), way.offsets(places), np.inf)
+
+
+@kept(64)
+def cut_by(way: Polyline, length: float) -> tuple[float, float]:
+    """Return how far (m) to the left and to the right of a way the middle of a body of `length` m comes that is drawn straight
+    from its front to its rear on it: into left and into right bends."""
+    fronts = np.arange(0.0, way.length + _CUT_STEP_M, _CUT_STEP_M)
+    front, middle, rear = (_prolonged(way, fronts - behind) for behind in (0.0, 0.5 * length, length))
+    inside = way.offsets(0.5 * (front + rear)) - way.offsets(middle)
+    return max(float(inside.max()), 0.0), max(float(-inside.min()), 0.0)
+
+
+def _prolonged(way: Polyline, s: Floats) -> Points:
+    """Return the points (n, 2) at arc lengths `s` (n,), m, of a way that comes straight to its start."""
+    heading = way.heading_at(0.0)
+    ahead = np.array([math.cos(heading), math.sin(heading)])
+    return way.points_at(s) + np.minimum(s, 0.0)[:, None] * ahead
 
 
 def _drives_beside(graph: RoadGraph, own: Connection, other: Connection) -> bool:
