@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from sumo_reactive.driver.caching import kept
-from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
 from sumo_reactive.driver.nouns.state import VehicleState
@@ -34,6 +33,15 @@ from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.abreast import abreast_of, beside, cut_by
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+ORDINARY_M = 6.0
+"""Bodies up to this length cut corners by what is left to them beside a car anyway."""
+
+BEFORE_LONG_M = 3.0
+"""A long body begins to cut the corner so long before its front does: in its turn, its rear is still on the road."""
+
+OVERSHOT_M = 0.5
+"""Who stands so little behind the beginning of a narrow place still waits before it."""
 
 FASTER = 2.0
 """m/s; the ego may speed up by so much until it meets somebody."""
@@ -82,9 +90,9 @@ def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleL
 
 
 class Narrow(NamedTuple):
-    """Between `start` and `end` of C (m) the `way` of `other` is `clearance` m beside it at the least, on that way between
-    `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge` is where `other` leads; C is to
-    the left of the way or not."""
+    """Between `start` and `end` of C (m) the way of `other`, or the middle of a body on it, is `clearance` m beside it at
+    the least, on that way between `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge`
+    is where `other` leads; `is_long`: for bodies longer than ORDINARY_M, or for all others."""
 
     passage: int
     start: float
@@ -94,12 +102,7 @@ class Narrow(NamedTuple):
     other_start: float
     other_end: float
     clearance: float
-    way: Polyline
-    is_left: bool
-
-    def room_for(self, length: float, width: float) -> float:
-        """Return what a body of `length` and `width` (m) on the other way leaves beside its side, up to C, m."""
-        return self.clearance - 0.5 * width - cut_by(self.way, length)[0 if self.is_left else 1]
+    is_long: bool
 
 
 @kept(PLANS_KEPT)
@@ -115,13 +118,16 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
         for other, way in abreast_of(graph, passage.connection_id):
             offsets = beside(way, places)
             aside, nearest = np.abs(offsets), float(offsets[np.argmin(np.abs(offsets))])
-            cut = cut_by(way, ABREAST_LENGTH_M)[0 if nearest > 0.0 else 1]
-            at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M + cut)
-            if len(at):
-                start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
-                along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
-                edge = graph.lanes[other.to_lane].edge_id
-                found.append(Narrow(i, start, end, other, edge, along, until, abs(nearest), way, nearest > 0.0))
+            for is_long in (False, True):
+                cut = cut_by(way, ABREAST_LENGTH_M)[0 if nearest > 0.0 else 1] if is_long else 0.0
+                at = np.flatnonzero(aside < 0.5 * (limits.width + ABREAST_WIDTH_M) + MIN_ABREAST_M + cut)
+                if len(at):
+                    start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
+                    start -= BEFORE_LONG_M * is_long
+                    along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
+                    edge = graph.lanes[other.to_lane].edge_id
+                    clearance = abs(nearest) - cut
+                    found.append(Narrow(i, start, end, other, edge, along, until, clearance, is_long))
     return tuple(found)
 
 
@@ -135,11 +141,13 @@ def ahead_at_narrows(
     """
     for narrow in narrows:
         left = narrow.start - front
-        if left > 0.0:
+        if left > (-OVERSHOT_M if narrow.is_long else 0.0):
             coming = sorted(_coming(users, narrow, graph, limits.width), key=itemgetter(0))
             first, time = _turn(coming, narrow, left, ego.speed, limits)
             if first is not None:
-                yield _ahead_by(first, left, time, front, ego.speed, limits)
+                leader = _ahead_by(first, max(left, 0.0), time, front, ego.speed, limits)
+                stop = narrow.start + limits.standstill_gap
+                yield leader._replace(s=min(leader.s, stop)) if narrow.is_long else leader
 
 
 def _coming(
@@ -147,8 +155,8 @@ def _coming(
 ) -> Iterator[tuple[float, RoadUser]]:
     """Yield who comes to a narrow place that is too narrow for him beside the ego, and the way (m) to it."""
     for user in users:
-        to_line = _to_line(user, narrow, graph)
-        if to_line is None or narrow.room_for(user.body.length, user.body.width) - 0.5 * width > MIN_ABREAST_M:
+        to_line = None if (user.body.length > ORDINARY_M) != narrow.is_long else _to_line(user, narrow, graph)
+        if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > MIN_ABREAST_M:
             continue
         if user.speed >= STANDING_SPEED or to_line <= 0.0:
             yield to_line + narrow.other_start, user
@@ -183,7 +191,9 @@ def _turn(
         if clear < travel_time(theirs, user.speed, FOE_ACCELERATION, top):
             break
         if theirs + user.body.length > 0.0:
-            gone = (theirs + user.body.length) / max(user.speed, STANDING_SPEED)
+            pace_there = min(user.speed, top) if narrow.is_long else user.speed  # who is long turns slowly
+            way, inside_way = max(theirs, 0.0), user.body.length + min(theirs, 0.0)
+            gone = 2.0 * way / max(user.speed + pace_there, STANDING_SPEED) + inside_way / max(pace_there, STANDING_SPEED)
             last, turn = user, max(turn, gone + NARROW_HEADWAY * limits.time_headway + limits.standstill_gap / pace)
     return last, turn
 

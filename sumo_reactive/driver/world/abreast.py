@@ -17,7 +17,6 @@ from sumo_reactive.driver.parameters import ABREAST_M, HOLD_BACK_REACH_M, SIDE_B
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-
 _CUT_STEP_M = 1.0
 """A long body's chord is drawn this often along its way."""
 
@@ -56,8 +55,8 @@ def beside(way: Polyline, places: Points) -> Floats:
 
 @kept(64)
 def cut_by(way: Polyline, length: float) -> tuple[float, float]:
-    """Return how far (m) to the left and to the right of a way the middle of a body of `length` m comes that is drawn straight
-    from its front to its rear on it: into left and into right bends."""
+    """Return how far (m) to the left and to the right of a way the middle of a body of `length` m comes that is drawn
+    straight from its front to its rear on it: into left and into right bends."""
     fronts = np.arange(0.0, way.length + _CUT_STEP_M, _CUT_STEP_M)
     front, middle, rear = (_prolonged(way, fronts - behind) for behind in (0.0, 0.5 * length, length))
     inside = way.offsets(0.5 * (front + rear)) - way.offsets(middle)
