@@ -28,7 +28,15 @@ from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.routes import RouteWindow, quickest_way, unmapped_lanes
 from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.stand_ins import Occupant, OccupiedLane, StandIns, ahead_of_mapping, left_behind, occupied_lane
+from sumo_reactive.sumo.stand_ins import (
+    Occupant,
+    OccupiedLane,
+    StandIns,
+    ahead_of_mapping,
+    left_behind,
+    mapped_elsewhere,
+    occupied_lane,
+)
 from sumo_reactive.sumo.vehicle_type import front_of
 
 
@@ -70,7 +78,7 @@ class Trip:
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of)
         state = ego.take_over(session.step_length)
-        lane_id = ego.lane(state)
+        lane_id = self._mapped = ego.lane(state)
         self._stop_lines = StopLines(sensor.signals)
         self._stop_lines.crossed(lane_id)
         self._bystanders = Bystanders(ego_id)
@@ -94,7 +102,7 @@ class Trip:
     def scene(self) -> Scene:
         """Verify what the simulation step has made of the command, plan anew where needed, observe."""
         step, world = self._step, self._driving.graph
-        lane_id = self._ego.lane(step.drive.ego)
+        lane_id = self._mapped = self._ego.lane(step.drive.ego)
         light = self._light_crossed(step)
         self._count(step)
         self._go_on(self._driving.after(step, self._session.time))
@@ -170,6 +178,9 @@ class Trip:
         """Return where to show the ego besides; in a turn in several moves at two places."""
         drive, edges = step.drive, self._driving.route.edges
         by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits)
+        elsewhere = mapped_elsewhere(by, self._mapped, drive.s, edges)
+        if elsewhere is not None:
+            return elsewhere, None
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
             behind = left_behind(by, turn, edges[turn.from_index :])

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import libsumo
 
+from sumo_reactive.driver.driving import segment_at
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -96,6 +97,15 @@ def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = 
     pose, back = by.ego.pose, -by.limits.rear_overhang
     rear = pose.x + back * math.cos(pose.heading), pose.y + back * math.sin(pose.heading)
     return OccupiedLane(lane, *rear, 0.0, (lane.edge_id,))
+
+
+def mapped_elsewhere(by: Occupant, mapped: str, s: float, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show an ego whom SUMO has on a lane of a junction that its plan does not use, `mapped`, so that those
+    behind it see its rear; None: SUMO has it where it drives. `s`: where its front axle is, m of C; `edges`: its route."""
+    if not mapped.startswith(":") or any(segment.lane_id == mapped for segment in by.plan.segments):
+        return None
+    middle = segment_at(by.plan, s + by.limits.front_overhang - 0.5 * by.limits.length)
+    return OccupiedLane(by.graph.lanes[middle.lane_id], *by.front, by.ego.speed, edges[middle.route_index :])
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

@@ -113,3 +113,13 @@ def test_an_ego_that_enters_too_fast_for_the_bend_it_stands_at_stays_on_the_road
     assert run.complaints() == []
     aside = [(m.y * math.cos(0.2) - side * (m.x - 200) * math.sin(0.2)) + 1.6 for m in run.ego.moments]
     assert max(map(abs, aside)) < 1.6, "the middle of its front leaves its lane"
+
+
+@pytest.mark.parametrize(("from_x", "reach"), [(0, 0.8), (6, 1.0)])
+def test_who_waits_at_a_line_that_reaches_into_the_road_is_passed(tmp_path, from_x, reach):
+    shape = f"-8,{-reach} 8,{-reach} 8,{reach} -8,{reach}"
+    nodes = node("a", -120, 0) + node("b", 120, 0) + node("s", from_x, -80) + node("c", 0, 0, type="priority", shape=shape)
+    ways = "".join(edge(ends, priority=5 - 4 * (ends == "sc"), spreadType="center") for ends in ("ac", "cb", "sc"))
+    others = stream("m", "ac cb", [2.0 * k for k in range(7)])
+    run = driven(tmp_path, Net(nodes, ways), car("ego", "ac cb", 14), car("x", "sc cb", 3), others)
+    assert run.complaints(slower=1.2) == []

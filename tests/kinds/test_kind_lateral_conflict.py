@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import Net, car, driven, edge, link, node, sort
+from kinds import Net, car, driven, edge, fails, link, node, sort
 
 STEADY = sort("steady", lcKeepRight=0, lcSpeedGain=0, lcCooperative=0)
 
@@ -57,3 +57,16 @@ def test_who_is_not_abreast_slows_nobody(tmp_path, lane, ahead):
     run = driven(tmp_path, narrow(0.6), ego(lane), abreast(1 - lane, ahead))
     assert run.complaints(slower=1.02) == []
     assert run.ego.slowest(":b", "ab") > 13.0
+
+
+@pytest.mark.parametrize(("turn", "inside"), [(1, 1), (-1, 0)])
+@pytest.mark.parametrize("ahead", [fails(-6, because="the ego goes first, but the bus is beside it in the turn"), 0, 6])
+def test_a_bus_that_turns_outside_of_the_ego_is_let_cut_the_corner(tmp_path, turn, inside, ahead):
+    nodes = node("a", -150, 0) + node("b", 0, 0, radius=8) + node("c", 0, 150 * turn)
+    ways = edge("ab", numLanes=2, speed=10) + edge("bc", numLanes=2, speed=10)
+    net = Net(nodes, ways, link("ab bc", "00") + link("ab bc", "11"))
+    long = sort("long", vClass="bus", length=12, width=2.5, lcKeepRight=0, lcSpeedGain=0, lcCooperative=0)
+    said = [{"departLane": lane, "arrivalLane": lane, "departSpeed": 8} for lane in (1 - inside, inside)]
+    bus = car("x", "ab bc", type="long", departPos=40 + ahead, **said[0])
+    run = driven(tmp_path, net, bus, car("ego", "ab bc", departPos=40, **said[1]), extra=long)
+    assert run.complaints(slower=1.3) == []

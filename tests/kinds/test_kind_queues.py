@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import car, cross, driven, program, stream
+from kinds import car, cross, driven, program, road, sort, stream
 
 ONCOMING = "ec cw"
 
@@ -62,3 +62,14 @@ def test_queues_at_a_red_light_that_are_about_as_long_are_not_exchanged(tmp_path
     run = driven(tmp_path, net, own, beside, car("ego", "wc ce", 10, departLane=1), extra=light, until=140)
     assert run.complaints() == []
     assert lanes(run) == ["wc_1"]
+
+
+@pytest.mark.parametrize("count", [0, 3])
+@pytest.mark.parametrize("depart", [14, 40])
+def test_a_queue_that_does_not_move_on_the_open_road_is_left(tmp_path, count, depart):
+    sorts = sort("slow", lcSpeedGain=0, lcKeepRight=0) + sort("broken", maxSpeed=0.05, lcSpeedGain=0, lcKeepRight=0)
+    head = car("x", "ab", departPos=330, departSpeed=0, type="broken")
+    queue = "".join(car(f"q{k}", "ab", departPos=310 - 12 * k, departSpeed=0, type="slow") for k in range(count))
+    net = road(500, numLanes=2)
+    run = driven(tmp_path, net, car("ego", "ab", depart, departLane=0), head, queue, extra=sorts, until=200)
+    assert run.complaints(slower=1.2) == []

@@ -33,3 +33,8 @@ def behind(graph, plan, turn, ego, limits, edges):
 def ahead(graph, turn, ego, limits, edges):
     """On the lane that it turns into."""
     return stand_ins.ahead_of_mapping(Occupant(graph, None, None, ego, limits), turn, edges)
+
+
+def elsewhere(graph, plan, mapped, s, ego, limits, edges):
+    """Where it drives while SUMO has it on another way."""
+    return stand_ins.mapped_elsewhere(Occupant(graph, plan, None, ego, limits), mapped, s, edges)

@@ -8,6 +8,7 @@ import pytest
 from net_recipes import MINIMAL
 
 from sumo_reactive.driver.world.junction import Control, LightLink, Turn
+from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 
 STRAIGHT, LEFT, SIDE = "w_0->e_0", "w_0->n_0", "s_0->n_0"
@@ -127,6 +128,11 @@ def test_approaches_say_how_far_the_stop_line_is(written):
     graph = written().build(["w", "n"])
     (found,) = graph.approaches[SIDE]
     assert (found.lane_id, found.distance, found.edges) == ("s_0", pytest.approx(93.0), ("s", "n"))
+
+
+def test_a_lane_with_a_slip_in_its_shape_is_refused(written):
+    with pytest.raises(NetworkError, match=r"some.net.xml: lane 'w_0': lane w_0 is longer than 1e\+06 m"):
+        written(MINIMAL.replace("96.00,-1.60", "96.00,-1.60 1e12,0")).lane("w_0")
 
 
 def test_a_shape_of_two_equal_points_becomes_a_short_stub(written):

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from occupants import ahead, behind, cut_in_bend, in_change, occupied
+from occupants import ahead, behind, cut_in_bend, elsewhere, in_change, occupied
 
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.nouns.plan import Aside, LaneChange, Turnaround
+from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, Turnaround
 from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -184,6 +184,14 @@ def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
     seen = occupied(road, plan, on(lane_id), ego_at(x, y, speed=speed), s, CAR, EDGES, stop)
     there = found and OccupiedLane(found, pytest.approx(x), pytest.approx(y), speed, EDGES, waits=True)
     assert seen == there
+
+
+@pytest.mark.parametrize(("mapped", "is_shown"), [(":b_0_1", True), (":b_0_0", False), ("ab_1", False), ("", False)])
+def test_an_ego_whom_sumo_has_on_another_way_through_a_junction_is_shown_where_its_middle_is(road, mapped, is_shown):
+    ways = ("ab_0", 0.0, 300.0, 0), (":b_0_0", 300.0, 310.0, 0), ("bc_0", 310.0, 400.0, 1)
+    plan = SimpleNamespace(segments=[LaneSegment(lane, start, end, 0.0, edge) for lane, start, end, edge in ways])
+    seen = elsewhere(road, plan, mapped, 301.0 - CAR.front_overhang, ego_at(301.0, -4.0), CAR, EDGES)
+    assert seen == (OccupiedLane(road.lanes["ab_0"], pytest.approx(301.0), -4.0, 5.0, EDGES) if is_shown else None)
 
 
 TURN = Turnaround(40.0, 41.0, 46.0, "ab_1", 0, "ba_0", 1, (), 20.0, 5.0)

@@ -12,6 +12,9 @@ from sumo_reactive.driver.geometry.polyline import Floats
 LEAST_ROOM_M = 0.2
 """d₁ to O_S is not taken below this: nearer, U₁ is steep enough."""
 
+STEPS_TO_BESIDE = 6
+"""The place of C beside a point is found by so many steps along C: two on a straight road, more in a turn."""
+
 
 @kernel
 def least_to_static(
@@ -25,11 +28,13 @@ def least_to_static(
     left = right = np.inf
     for k in range(len(static)):
         at = s
-        for _ in range(2):  # along a bend the tangent at F misses the place beside; the one there does not
+        for _ in range(STEPS_TO_BESIDE):  # along a bend the tangent at F misses the place beside; the one there does not
             i = min(max(int(at / step), 0), len(cx) - 1)
             c, w = math.cos(ch[i]), math.sin(ch[i])
             dx, dy = static[k, 0] - cx[i], static[k, 1] - cy[i]
-            at = i * step + dx * c + dy * w
+            before, at = at, i * step + dx * c + dy * w
+            if abs(at - before) < step:
+                break
         aside = dy * c - dx * w
         along = max(at - s - ahead, s - behind - at, 0.0)
         if aside > 0.0:

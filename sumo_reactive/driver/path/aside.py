@@ -1,13 +1,14 @@
-"""Where C keeps off the middle of its lane: long bodies in bends, who waits inside junctions, who is beside the ego there.
+"""Where C keeps off the middle of its lane: long bodies in bends, who waits in or at junctions, who is beside the ego there.
 
 A long body's front keeps to the outside, so that the rear, which cuts the inside, stays in the lane too. Who waits inside a
-junction cannot move, and who comes too near beside the ego there does not look.
+junction, or at a line that the map draws into others' way, does not move aside, and who comes too near beside the ego there
+does not look.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
@@ -17,9 +18,10 @@ from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, mov
 from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Junction
 from sumo_reactive.driver.world.lane import road_of
 from sumo_reactive.driver.world.lateral_conflict import LateralConflict, beside, lateral_conflicts
+from sumo_reactive.driver.world.road_graph import RoadGraph
 
 MAX_CENTRING_M = 0.6
 """In a bend a long vehicle keeps to the outside by at most this, as its rear keeps to the inside: farther, its front bumper
@@ -31,6 +33,9 @@ WAITING_LENGTH_M = 5.0
 WAITING_WIDTH_M = 1.8
 """…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
+COMFORT_DEVIATION_M = 0.25
+"""C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
+
 BEYOND_M = 0.2
 """Rear and, on the side of oncoming traffic, front may leave the lane by this: who drives in the middle of a lane of 3.2 m
 leaves 0.7 m."""
@@ -40,8 +45,6 @@ LEAST_M = 1e-4
 """Less is rounding."""
 BUMPER_SPARE_M = 0.3
 """The front bumper covers at least this much of its lane, which is what maps it to the lane."""
-SPARE_M = 0.05
-"""Room left beyond what the corridor of the ego takes."""
 KEPT_M = 4.0
 """C keeps away for this much longer before and behind, so that smoothing does not fill up the way round."""
 SIDE_POINTS, END_POINTS = 6, 3
@@ -74,22 +77,22 @@ def centred(line: Points, half_widths: Floats, limits: VehicleLimits, left_hand:
 
 
 def clear_of_others(line: Points, half_widths: Floats, reference: Reference, limits: VehicleLimits) -> Points:
-    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or be
-    too near beside the ego's there, from a neighbour lane of its road.
+    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or at
+    their lines, or be too near beside the ego's there, from a neighbour lane of its road.
 
     `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
     """
     shift = np.zeros(len(line))
     room = np.maximum(half_widths + BEYOND_M - 0.5 * limits.width, 0.0)
-    needed = 0.5 * limits.width + limits.parameters.corridor_margin_m + SPARE_M
+    margin = limits.parameters.corridor_margin_m + COMFORT_DEVIATION_M  # smoothing takes the latter back
+    needed = 0.5 * limits.width + margin
     for connection, start, end in reference.passages:
         first, last = max(int(start / CURVE_STEP_M), 0), min(int(end / CURVE_STEP_M) + 1, len(line) - 1)
         junction = reference.graph.junctions.get(connection.junction_id)
         if junction is None or last - first < 2:
             continue
-        for other in junction.connections:
-            if _may_be_met(connection, other):
-                _clear_of_body(shift[first:last], line[first : last + 1], _waiting(other), needed)
+        for body in _waiting(connection, junction, reference.graph):
+            _clear_of_body(shift[first:last], line[first : last + 1], body, needed)
         reach = min(last + int(HOLD_BACK_REACH_M / CURVE_STEP_M), len(line))  # one may still be inside, the other out of it
         ways = lateral_conflicts(reference.graph, connection.id)
         _clear_of_ways(shift[first:reach], line[first:reach], ways, needed + 0.5 * WAITING_WIDTH_M)
@@ -115,21 +118,24 @@ def _eased_in(shift: Floats, reach: int) -> Floats:
     return np.where(np.abs(found) < LEAST_M, 0.0, found)
 
 
-def _may_be_met(connection: Connection, other: Connection) -> bool:
-    """Whether somebody on `other` may wait inside the junction while the ego, on another approach, passes."""
-    from_elsewhere = road_of(other.from_lane) != road_of(connection.from_lane)
-    return other.wait_at is not None and from_elsewhere and not other.is_crossing
+def _waiting(connection: Connection, junction: Junction, graph: RoadGraph) -> Iterator[Points]:
+    """Yield the outlines (k, 2) of those who may wait while the ego, on another approach, passes: inside the junction,
+    and at their lines."""
+    others = [c for c in junction.connections if not c.is_crossing and road_of(c.from_lane) != road_of(connection.from_lane)]
+    yield from (_outline(c.path, c.wait_at) for c in others if c.wait_at is not None)
+    for lane_id in dict.fromkeys(c.from_lane for c in others):
+        approach = graph.lanes[lane_id].spine
+        yield _outline(approach, approach.length)
 
 
-def _waiting(other: Connection) -> Points:
-    """Return points (k, 2) on the outline of a car whose front is at the waiting place of `other`."""
-    place = other.wait_at or 0.0
-    x, y = other.path.at(place)
-    bx, by = other.path.at(max(place - WAITING_LENGTH_M, 0.0))
+def _outline(way: Polyline, place: float) -> Points:
+    """Return points (k, 2) on the outline of a car whose front is at a place (m) of its way."""
+    x, y = way.at(place)
+    bx, by = way.at(max(place - WAITING_LENGTH_M, 0.0))
     heading = math.atan2(y - by, x - bx)
-    way, left = np.array([math.cos(heading), math.sin(heading)]), np.array([-math.sin(heading), math.cos(heading)])
+    ahead, left = np.array([math.cos(heading), math.sin(heading)]), np.array([-math.sin(heading), math.cos(heading)])
     back, half = np.linspace(0.0, WAITING_LENGTH_M, SIDE_POINTS), 0.5 * WAITING_WIDTH_M
-    sides = [np.array([x, y]) - back[:, None] * way + side * half * left for side in (1.0, -1.0)]
+    sides = [np.array([x, y]) - back[:, None] * ahead + side * half * left for side in (1.0, -1.0)]
     front = np.array([x, y]) + np.linspace(-half, half, END_POINTS)[:, None] * left
     return np.vstack((*sides, front))
 

@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M, Curve, project_each
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, curvature_of, cut, eased, moved_aside, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
-from sumo_reactive.driver.path.aside import centred, clear_of_others
+from sumo_reactive.driver.path.aside import COMFORT_DEVIATION_M, centred, clear_of_others
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.turning import turnable
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -47,9 +47,6 @@ SMOOTHING_REACH_M = 5.0
 
 SMOOTHING_PASSES = 9
 """Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that COMFORT_DEVIATION_M holds C."""
-
-COMFORT_DEVIATION_M = 0.25
-"""C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""

@@ -18,8 +18,11 @@ from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
-from sumo_reactive.driver.world.lateral_conflict import beside, lateral_conflicts
+from sumo_reactive.driver.world.lateral_conflict import beside, lateral_conflicts, off_tracking_on
 from sumo_reactive.driver.world.road_graph import RoadGraph
+
+LONGEST_BESIDE_M = 12.0
+"""The longest ordinary body, a bus's."""
 
 WIDEST_BESIDE_M = 2.5
 """The widest ordinary body, a truck's or bus's."""
@@ -29,6 +32,15 @@ LEAST_BESIDE_M = 0.1
 
 CROSSER_MARGIN_S = 0.5
 """A crossing car counts as gone if it leaves the corridor this long before the ego comes."""
+
+ORDINARY_M = 6.0
+"""Bodies up to this length cut corners by what is left to them beside a car anyway."""
+
+BEFORE_LONG_M = 3.0
+"""A long body begins to cut the corner so long before its front does: in its turn, its rear is still on the road."""
+
+OVERSHOT_M = 0.5
+"""Who stands so little behind the beginning of a narrow place still waits before it."""
 
 FASTER = 2.0
 """m/s; the ego may speed up by so much until it meets somebody."""
@@ -77,8 +89,9 @@ def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleL
 
 
 class Narrow(NamedTuple):
-    """Between `start` and `end` of C (m) the way of `other` is `clearance` m beside it at the least, on that way between
-    `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge` is where `other` leads."""
+    """Between `start` and `end` of C (m) the way of `other`, or the middle of a body on it, is `clearance` m beside it at
+    the least, on that way between `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge`
+    is where `other` leads; `is_long`: for bodies longer than ORDINARY_M, or for all others."""
 
     passage: int
     start: float
@@ -88,6 +101,7 @@ class Narrow(NamedTuple):
     other_start: float
     other_end: float
     clearance: float
+    is_long: bool
 
 
 @kept(PLANS_KEPT)
@@ -101,13 +115,18 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
             continue
         places = np.column_stack((curve.x[first:last], curve.y[first:last]))
         for other, way in lateral_conflicts(graph, passage.connection_id):
-            aside = np.abs(beside(way, places))
-            at = np.flatnonzero(aside < 0.5 * (limits.width + WIDEST_BESIDE_M) + LEAST_BESIDE_M)
-            if len(at):
-                start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
-                along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
-                edge = graph.lanes[other.to_lane].edge_id
-                found.append(Narrow(i, start, end, other, edge, along, until, float(aside.min())))
+            offsets = beside(way, places)
+            aside, nearest = np.abs(offsets), float(offsets[np.argmin(np.abs(offsets))])
+            for is_long in (False, True):
+                inside = off_tracking_on(way, LONGEST_BESIDE_M)[0 if nearest > 0.0 else 1] if is_long else 0.0
+                at = np.flatnonzero(aside < 0.5 * (limits.width + WIDEST_BESIDE_M) + LEAST_BESIDE_M + inside)
+                if len(at):
+                    start, end = ((first + float(k)) * curve.step for k in (at[0], at[-1]))
+                    start -= BEFORE_LONG_M * is_long
+                    along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
+                    edge = graph.lanes[other.to_lane].edge_id
+                    clearance = abs(nearest) - inside
+                    found.append(Narrow(i, start, end, other, edge, along, until, clearance, is_long))
     return tuple(found)
 
 
@@ -121,11 +140,13 @@ def ahead_at_narrows(
     """
     for narrow in narrows:
         left = narrow.start - front
-        if left > 0.0:
+        if left > (-OVERSHOT_M if narrow.is_long else 0.0):
             coming = sorted(_coming(users, narrow, graph, limits.width), key=itemgetter(0))
             first, time = _turn(coming, narrow, left, ego.speed, limits)
             if first is not None:
-                yield _ahead_by(first, left, time, front, ego.speed, limits)
+                leader = _ahead_by(first, max(left, 0.0), time, front, ego.speed, limits)
+                stop = narrow.start + limits.standstill_gap
+                yield leader._replace(s=min(leader.s, stop)) if narrow.is_long else leader
 
 
 def _coming(
@@ -133,7 +154,7 @@ def _coming(
 ) -> Iterator[tuple[float, RoadUser]]:
     """Yield who comes to a narrow place that is too narrow for him beside the ego, and the way (m) to it."""
     for user in users:
-        to_line = _to_line(user, narrow, graph)
+        to_line = None if (user.body.length > ORDINARY_M) != narrow.is_long else _to_line(user, narrow, graph)
         if to_line is None or narrow.clearance - 0.5 * (width + user.body.width) > LEAST_BESIDE_M:
             continue
         if user.speed >= STANDING_SPEED or to_line <= 0.0:
@@ -169,7 +190,9 @@ def _turn(
         if clear < travel_time(theirs, user.speed, p.foe_acceleration, top):
             break
         if theirs + user.body.length > 0.0:
-            gone = (theirs + user.body.length) / max(user.speed, STANDING_SPEED)
+            pace_there = min(user.speed, top) if narrow.is_long else user.speed  # who is long turns slowly
+            way, inside_way = max(theirs, 0.0), user.body.length + min(theirs, 0.0)
+            gone = 2.0 * way / max(user.speed + pace_there, STANDING_SPEED) + inside_way / max(pace_there, STANDING_SPEED)
             last, turn = user, max(turn, gone + p.narrow_headway * limits.time_headway + limits.standstill_gap / pace)
     return last, turn
 

@@ -22,6 +22,9 @@ VEHICLE_CLASSES = frozenset(
 )  # fmt: skip
 """Every class that a lane can allow or forbid (SUMO 1.28)."""
 
+FARTHEST_M = 1e6
+"""No lane, and no network, reaches this far: a coordinate beyond is a slip, and points are laid along lanes."""
+
 _SAMPLES = np.linspace(0.1, 0.9, 5)  # fractions of the spine; its ends may fan out at the junctions
 
 
@@ -50,6 +53,8 @@ class Lane:
     def __post_init__(self) -> None:
         if self.width <= 0.0 or self.length <= 0.0 or self.speed_limit < 0.0:
             raise ValueError(f"lane {self.id}: width and length must be positive, speed not negative")
+        if max(self.length, self.spine.length) > FARTHEST_M:
+            raise ValueError(f"lane {self.id} is longer than {FARTHEST_M:g} m")
 
     @property
     def scale(self) -> float:

@@ -1,4 +1,7 @@
-"""Ways from neighbour lanes of one road through a junction that come nearer to each other than the lanes are apart."""
+"""Ways from neighbour lanes of one road through a junction that come nearer to each other than bodies on them are wide.
+
+A long body is straight: in a bend its middle is as far inside of its way as the chord from its front to its rear.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,15 @@ from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, cut
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-LATERAL_CONFLICT_M = 2.8
-"""Two bodies of up to 2.5 m need this between the middles of their ways to pass each other 0.3 m apart."""
+LATERAL_CONFLICT_M = 4.5
+"""Two bodies of up to 2.5 m need 2.8 m between the middles of their ways to pass each other 0.3 m apart, and a long one in a
+tight turn 1.7 m more."""
 
 SIDE_BY_SIDE_ANGLE = 0.6
 """rad; paths from one road that meet at a smaller angle run beside each other."""
+
+_CHORD_STEP_M = 1.0
+"""A long body's chord is drawn this often along its way."""
 
 
 class LateralConflict(NamedTuple):
@@ -50,6 +57,24 @@ def beside(way: Polyline, places: Points) -> Floats:
     """Return how far left of a way each of `places` (n, 2) is, (n,), m; infinite where the way is not beside it."""
     s = way.arc_lengths_at(places)
     return np.where((s > 0.0) & (s < way.length), way.offsets(places), np.inf)
+
+
+@kept(64)
+def off_tracking_on(way: Polyline, length: float) -> tuple[float, float]:
+    """Return how far (m) to the left and to the right of a way the middle of a body of `length` m comes that is straight
+    from its front to its rear on it: into left and into right bends."""
+    fronts = np.arange(0.0, way.length + _CHORD_STEP_M, _CHORD_STEP_M)
+    front, middle, rear = (_prolonged(way, fronts - behind) for behind in (0.0, 0.5 * length, length))
+    inside = way.offsets(0.5 * (front + rear)) - way.offsets(middle)
+    return max(float(inside.max()), 0.0), max(float(-inside.min()), 0.0)
+
+
+def _prolonged(way: Polyline, s: Floats) -> Points:
+    """Return the points (n, 2) at arc lengths `s` (n,), m, of a way that comes straight to its start."""
+    heading = way.heading_at(0.0)
+    ahead = np.array([math.cos(heading), math.sin(heading)])
+    found: Points = way.points_at(s) + np.minimum(s, 0.0)[:, None] * ahead
+    return found
 
 
 def _drives_beside(graph: RoadGraph, own: Connection, other: Connection) -> bool:

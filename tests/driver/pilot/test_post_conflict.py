@@ -1,11 +1,14 @@
 """The room behind an intersection: a stop so near behind it that the ego would stand in a region is made before its line."""
 
+from dataclasses import replace
+
 import pytest
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, wait_before
+from sumo_reactive.driver.world.regions import ConflictKind
 
 NORTH = ("from_south", "to_north")
 
@@ -46,3 +49,17 @@ def test_of_several_stops_inside_the_nearest_is_the_one_that_is_moved_before_the
     stops = [stop_at(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
     found = wait_before(way, conflicts, stops, situation.snapshot, situation.memory, situation.limits)
     assert found == stop_at(ego.line, Reason.NO_GAP, cause="4 m")
+
+
+@pytest.mark.parametrize(("behind", "place"), [(-0.5, 0.0), (0.5, None)])
+def test_who_is_longer_than_the_way_to_the_next_line_waits_before_the_junction(behind, place):
+    ego = before("four_way_priority", NORTH, 20.0, 5.0)
+    situation = ego.considered()
+    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    merging = tuple(c._replace(must_yield=False) for c in conflicts if c.region.kind is ConflictKind.MERGING)
+    assert merging
+    assert is_clear_at(way, merging, situation.limits) is None
+    long = replace(situation.limits, length=16.0)
+    stop = stop_at(way.passage.start + long.length + behind, Reason.YIELD_TO)
+    found = wait_before(way, merging, (stop,), situation.snapshot, situation.memory, long)
+    assert (None if found is None else found.s - ego.line) == place

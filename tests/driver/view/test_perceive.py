@@ -121,11 +121,11 @@ def test_an_unknown_place_is_seen_but_means_nothing(ego):
     assert math.isfinite(seen.s)
 
 
-@pytest.mark.parametrize(("away", "at", "is_led"), [(2.0, 8.0, False), (0.5, 8.0, True), (0.5, 10.0, False)])
+@pytest.mark.parametrize(("away", "at", "is_led"), [(2.0, 8.5, False), (0.5, 8.5, True), (0.5, 10.0, False)])
 def test_who_comes_across_the_bend_of_c_is_stayed_behind_unless_he_will_have_left_it(away, at, is_led):
-    """The ego is to turn left with 8 m/s; the other drives straight on with 12 m/s and nears it while he leaves its way."""
-    ego = before(PRIORITY, FROM_SOUTH, away, 8.0)
-    oncoming = ego.other("north", ego.graph.connections["from_north_0->to_south_0"].parts[0], at, 12.0, ("to_south",))
+    """The ego is to turn left with 9 m/s; the other drives straight on with 10 m/s and nears it while he leaves its way."""
+    ego = before(PRIORITY, FROM_SOUTH, away, 9.0)
+    oncoming = ego.other("north", ego.graph.connections["from_north_0->to_south_0"].parts[0], at, 10.0, ("to_south",))
     seen = ego.seen(oncoming)
     (obstacle,) = seen.on_path
     assert obstacle.along <= -abs(obstacle.across)

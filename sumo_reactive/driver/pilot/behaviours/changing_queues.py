@@ -60,12 +60,12 @@ def leave_queue(
     """Change to a lane beside whose queue is expected to be over sooner, as soon as there is a gap; keep room for it.
 
     It is left for good: on the other lane the ego waits its turn and does not come back on this road. An ego that stands
-    at a red light stays.
+    at a red light stays; where no junction is in sight, nothing but the queue itself can hold it up.
     """
-    way = _next_way(snapshot, ways)
-    if not outlook.queues or way is None or not _is_free_to_choose(snapshot, plan, memory):
+    if not outlook.queues or not _is_free_to_choose(snapshot, plan, memory):
         return LaneChanging()
-    go = snapshot.time - memory.released[1] if memory.released[0] else 0.0
+    way = _next_way(snapshot, ways)
+    go = math.inf if way is None else snapshot.time - memory.released[1] if memory.released[0] else 0.0
     if go <= 0.0 and snapshot.ego.speed < CREEPING_SPEED:
         return LaneChanging()
     own, *others = outlook.queues
@@ -73,7 +73,7 @@ def leave_queue(
     cause = _holds_up(own, go)
     if best.way is None or cause is None or expected_wait(own, go, limits.parameters) < _cost(best, go, limits.parameters):
         return LaneChanging()
-    room = way.line - snapshot.front
+    room = math.inf if way is None else way.line - snapshot.front
     if room < max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed):
         return LaneChanging()
     return _leave(snapshot, best, best.way, cause, limits)

@@ -122,16 +122,17 @@ def wait_before(
     memory: PilotMemory,
     limits: VehicleLimits,
 ) -> TimeConstraint | None:
-    """Return the first of the `stops` behind a junction at which M would stand in a region of it, moved before its line.
+    """Return the first of the `stops` behind a junction at which M would stand in a region of it, or with its rear not yet
+    in it, moved before its line.
 
     None: it would stand clear, can no longer stop before the line, or has waited there in vain. A stop of the route is made
     where the route says.
     """
     p = limits.parameters
-    clear = is_clear_at(way, conflicts, limits) if p.has(Mechanism.ROOM_BEHIND) else None
-    if clear is None or not _may_wait(way, snapshot, p.planned_deceleration):
+    if not p.has(Mechanism.ROOM_BEHIND) or all(c.region.kind is ConflictKind.DIVERGING for c in conflicts):
         return None
-    if _waited(way, snapshot, memory) > p.queue_patience_s:
+    clear = max(is_clear_at(way, conflicts, limits) or 0.0, way.passage.start + limits.length)
+    if not _may_wait(way, snapshot, p.planned_deceleration) or _waited(way, snapshot, memory) > p.queue_patience_s:
         return None
     inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason is not Reason.SCHEDULED_STOP)
     first = min(inside, key=lambda stop: stop.s, default=None)
