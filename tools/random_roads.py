@@ -10,7 +10,7 @@ worse (contact, red light, failure, no arrival, more hard brakings caused, more 
 first, each with the command that replays it. `--keep` writes the files of one network and drives nothing: it prints the
 `sumo-reactive run` command of each ego. Both drivers are judged alike: contacts, red lights and time off the road by a
 witness that looks at SUMO alone, the rest by the lab's judges. Exit codes: 0, 1 after a contact, a red light run or a fault
-of this program, 2 for wrong input.
+of this program, 2 for wrong input, 130 after an interrupt.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import json
 import os
 import shlex
 import shutil
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -40,7 +41,7 @@ from sumo_reactive.lab.task import Ending, Task, replay_command
 
 EGOS = 8
 TIMEOUT_S = 900.0
-TOO_LONG = 124
+TOO_LONG, INTERRUPTED = 124, 130
 
 
 class Found(NamedTuple):
@@ -56,7 +57,11 @@ def main() -> None:
     asked = _arguments()
     if asked.keep:
         raise SystemExit(_keep(asked))
-    found = list(driven(_orders(asked), asked.jobs, asked.timeout))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the temporary folders go in any case
+    try:
+        found = list(driven(_orders(asked), asked.jobs, asked.timeout))
+    except KeyboardInterrupt:
+        raise SystemExit(INTERRUPTED) from None
     rows = [row for one in found for row in one.rows]
     if asked.json:
         data = {"seed": asked.seed, "trips": [as_data(row) for row in rows], "not driven": _not_driven(found)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from random import Random
+from typing import Any
 
 from roads.plain import Roads, element
 
@@ -28,7 +29,7 @@ def streets(rng: Random, widest: int = 3) -> tuple[str, ...]:
     lanes = rng.choices(range(1, widest + 1), weights=range(widest, 0, -1))[0]
     options = ["--default.lanenumber", str(lanes), "--default.speed", str(rng.choice(SPEEDS))]
     options += ["--random-lanenumber"] if lanes > 1 and rng.random() < 0.5 else []
-    options += ["--turn-lanes", "1", "--turn-lanes.length", "30"] if rng.random() < 0.2 else []
+    options += ["--turn-lanes", "1", "--turn-lanes.length", "30"] if rng.random() < 0.2 and widest > 1 else []
     options += ["--default.lanewidth", rng.choice(("2.8", "3.0", "3.5"))] if rng.random() < 0.3 else []
     options += ["--default.junctions.radius", rng.choice(("1.5", "8", "12"))] if rng.random() < 0.3 else []
     return tuple(options)
@@ -72,10 +73,10 @@ def junctions(rng: Random) -> tuple[str, ...]:
     return ("--default.junctions.type", kind, *more)
 
 
-def city(rng: Random, *options: str, convert: tuple[str, ...] = (), **files: tuple[str, ...]) -> Roads:
-    """Return a city drawn with these options, and with others where they leave something open."""
+def city(rng: Random, *options: str, **more: Any) -> Roads:
+    """Return a city drawn with these options, with others where they leave something open, and with `more` of `Roads`."""
     drawn = ("--seed", str(rng.randint(0, 2**31 - 1)), *turns(rng), *options)
-    return Roads((*drawn,), files, convert)
+    return Roads((*drawn,), **more)
 
 
 def with_junctions(rng: Random, kind: str, *more: str) -> Roads:
@@ -98,12 +99,3 @@ def mixed_streets(rng: Random) -> tuple[str, ...]:
         )
         for k in range(rng.randint(2, 4))
     )
-
-
-def streets_with_lanes_for(rng: Random, vehicle_class: str) -> tuple[str, ...]:
-    """Return types of streets, some with a lane of their own, on the right, for buses or bicycles."""
-    width = 1.6 if vehicle_class == "bicycle" else None
-    lane = element("lane", index=0, allow=vehicle_class, width=width)
-    most = rng.randint(2, 4)
-    special = element("type", lane, id="own_lane", numLanes=most, speed=rng.choice(SPEEDS), priority=7)
-    return (special, element("type", id="plain", numLanes=max(1, most - 1), speed=rng.choice(SPEEDS), priority=5))

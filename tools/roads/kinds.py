@@ -16,7 +16,6 @@ from roads.cities import (
     scattered,
     spider,
     streets,
-    streets_with_lanes_for,
     with_junctions,
 )
 from roads.plain import Roads
@@ -46,8 +45,8 @@ def _random(rng: Random) -> Roads:
 
 
 def _mixed(rng: Random) -> Roads:
-    files = {"typ": mixed_streets(rng)}
-    return city(rng, *rng.choice((grid, scattered))(rng), *bent(rng, 25.0), "--random-type", *junctions(rng), **files)
+    layout, files = rng.choice((grid, scattered))(rng), {"typ": mixed_streets(rng)}
+    return city(rng, *layout, *bent(rng, 25.0), "--random-type", *junctions(rng), files=files)
 
 
 def _left_hand(rng: Random) -> Roads:
@@ -56,7 +55,7 @@ def _left_hand(rng: Random) -> Roads:
 
 def _opposite(rng: Random) -> Roads:
     layout = rng.choice((grid, scattered))(rng)
-    return city(rng, *layout, *streets(rng, 1), *junctions(rng), convert=MEETS)
+    return city(rng, *layout, *streets(rng, 1), *junctions(rng), *MEETS)
 
 
 def _walked(rng: Random) -> Roads:
@@ -68,9 +67,8 @@ def _cycled(rng: Random) -> Roads:
     return city(rng, *rng.choice((grid, spider))(rng), *streets(rng, 2), *junctions(rng), convert=CYCLES)
 
 
-def _with_lanes_for(rng: Random, vehicle_class: str) -> Roads:
-    files = {"typ": streets_with_lanes_for(rng, vehicle_class)}
-    return city(rng, *grid(rng), "--random-type", *junctions(rng), **files)
+def _with_bus_lanes(rng: Random) -> Roads:
+    return city(rng, *rng.choice((grid, scattered))(rng), *streets(rng), *junctions(rng), own_lanes="bus taxi")
 
 
 KINDS = {
@@ -89,7 +87,7 @@ KINDS = {
     "opposite": Kind(_opposite, frozenset({"opposite"})),
     "crossings": Kind(_walked, frozenset({"walkers"})),
     "bicycle lanes": Kind(_cycled),
-    "bus lanes": Kind(lambda rng: _with_lanes_for(rng, "bus taxi")),
+    "bus lanes": Kind(_with_bus_lanes),
     "sublane": Kind(_mixed, frozenset({"sublane"})),
     "roundabout": Kind(pieces.roundabout),
     "crossing": Kind(pieces.crossing),

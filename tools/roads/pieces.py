@@ -43,21 +43,26 @@ def roundabout(rng: Random) -> Roads:
 def crossing(rng: Random) -> Roads:
     """Return one or two crossings near each other, of any type; arms of any number of lanes, skew, bent."""
     kinds = ("traffic_light", "traffic_light", "priority", "right_before_left", "allway_stop", "priority_stop")
-    arms, angles = rng.choice((3, 4, 4, 5)), _angles(rng, 4)
+    arms, centres = rng.choice((3, 4, 4, 5)), ["m0", "m1"] if rng.random() < 0.5 else ["m0"]
     nodes, edges = [], []
-    centres = ["m0", "m1"] if rng.random() < 0.5 else ["m0"]
     apart, speed = rng.uniform(25.0, 90.0), rng.choice(SPEEDS)
     for m, centre in enumerate(centres):
         kind, radius = rng.choice((*kinds, "unregulated")), rng.choice((None, 3, 10))
         nodes.append(node(centre, (m * apart, 0.0), type=kind, radius=radius))
-        for k, angle in enumerate(angles[: arms - (len(centres) > 1)] if m == 0 else angles[1:3]):
-            x, y = _around(rng.uniform(120.0, 260.0), angle + m * math.pi)
+        for k, angle in enumerate(_angles(rng, arms) if len(centres) == 1 else _arms_beside(rng, m)):
+            x, y = _around(rng.uniform(120.0, 260.0), angle)
             nodes.append(node(f"a{m}{k}", (x + m * apart, y)))
             lanes, priority = rng.choice((1, 1, 2, 2, 3, 4)), rng.choice((3, 7))
             edges += both((f"a{m}{k}", centre), numLanes=lanes, speed=rng.choice((speed, *SPEEDS)), priority=priority)
     if len(centres) > 1:
         edges += both(("m0", "m1"), numLanes=rng.randint(1, 3), speed=speed, priority=7)
     return Roads((), {"nod": (*nodes,), "edg": (*edges,)}, turns(rng))
+
+
+def _arms_beside(rng: Random, centre: int) -> list[float]:
+    """Return the directions (rad) of two or three arms that lead away from the other of two crossings."""
+    spread = rng.choice(((0.0, 0.8), (-0.7, 0.7), (0.8, 0.0, -0.8)))
+    return [(0.0 if centre else math.pi) + 1.6 * share + rng.uniform(-0.2, 0.2) for share in spread]
 
 
 def dual_carriageway(rng: Random) -> Roads:

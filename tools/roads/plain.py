@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import subprocess
+import xml.etree.ElementTree as ET
+import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -59,11 +61,13 @@ def _text(value: object) -> str:
 
 class Roads(NamedTuple):
     """A network yet to be built: arguments of netgenerate (none: there are `files` alone), plain elements by the kind of
-    their file (nod, edg, con, typ), arguments of netconvert."""
+    their file (nod, edg, con, typ), arguments of netconvert. `own_lanes`: vehicle classes that have the right lane for
+    themselves on every other street."""
 
     generate: tuple[str, ...] = ()
     files: Mapping[str, tuple[str, ...]] = {}
     convert: tuple[str, ...] = ()
+    own_lanes: str = ""
 
     def built(self, folder: Path) -> Path:
         """Return the network's file in `folder`; raise NetworkError with what the program said."""
@@ -73,11 +77,25 @@ class Roads(NamedTuple):
         net = folder / NET
         if self.generate:
             _run("netgenerate", [*self.generate, *given, "--output-file", str(net)])
-            given = ["--sumo-net-file", str(net)]
-        if self.convert or not self.generate:
+            given = _widened(net, self.own_lanes) if self.own_lanes else ["--sumo-net-file", str(net)]
+        if self.convert or self.own_lanes or not self.generate:
             _run("netconvert", [*given, *self.convert, "--output-file", str(net)])
         net.write_text(_GENERATED.sub("", net.read_text(encoding="utf-8"), count=1), encoding="utf-8")
         return net
+
+
+def _widened(net: Path, classes: str) -> list[str]:
+    """Write a network as plain XML, every other street with a lane more, on its right, for these classes alone."""
+    prefix = net.parent / "wide"
+    _run("netconvert", ["--sumo-net-file", str(net), "--plain-output-prefix", str(prefix)])
+    edges = ET.parse(f"{prefix}.edg.xml")
+    for road in edges.getroot().iter("edge"):
+        street = " ".join(sorted((road.attrib["from"], road.attrib["to"])))
+        if zlib.crc32(street.encode()) % 2:
+            road.set("numLanes", str(int(road.attrib["numLanes"]) + 1))
+            road.insert(0, ET.Element("lane", index="0", allow=classes))
+    edges.write(f"{prefix}.edg.xml")
+    return ["--node-files", f"{prefix}.nod.xml", "--edge-files", f"{prefix}.edg.xml"]
 
 
 def _run(program: str, arguments: list[str]) -> None:

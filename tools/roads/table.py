@@ -11,6 +11,9 @@ from roads.trips import Run
 SLOWER = 1.5
 """Whoever takes so many times as long as SUMO's own driver is slow."""
 
+TOLD = 3
+"""Contacts of a trip that are told one by one."""
+
 INTERNAL_ERROR = 70
 
 
@@ -99,7 +102,8 @@ def faults(row: Row) -> list[str]:
         found.append(f"exit {ours.exit_code}: {ours.error}")
     elif not ours.arrived:
         found.append(f"not arrived: {ours.told}")
-    found += [f"contact with {name} at {time:g} s" for time, name in ours.contacts]
+    found += [f"contact with {name} at {time:g} s" for time, name in ours.contacts[:TOLD]]
+    found += [f"{len(ours.contacts) - TOLD} more contacts"] if len(ours.contacts) > TOLD else []
     found += [f"red light run at {time:g} s" for time in ours.red]
     if ours.hard_braking > sumo.hard_braking:
         found.append(f"{ours.hard_braking} hard brakings caused, SUMO's own {sumo.hard_braking}")

@@ -15,7 +15,7 @@ WINDOW_S = 240.0
 DENSITIES = (1.0, 40.0)
 """Vehicles on each km of lane, were all as fast as free: an empty road, gridlock."""
 
-MOST = 700
+MOST = 350
 """Vehicles of a network at most."""
 
 FRINGE = 8.0

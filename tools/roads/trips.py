@@ -38,7 +38,8 @@ EGOS = {"car": 8.0, "van": 1.0, "truck": 1.5, "bus": 1.5, "trailer": 0.7}
 
 
 class Run(NamedTuple):
-    """What a driver made of a trip. `exit_code` as the command line has it; `error` in one line; `told`: the verdict.
+    """What a driver made of a trip. `exit_code` as the command line has it; `error` in one line; `told`: the verdict, or why
+    the run ended before the goal.
 
     Times in s; `hard_braking`: of others, with the ego as the cause; `lateral`: m/s², the largest.
     """
@@ -171,7 +172,7 @@ def _run(result: TrialResult, seen: Seen) -> Run:
     return Run(
         arrived=result.arrived,
         exit_code=result.exit_code,
-        told=result.verdict,
+        told=result.verdict if result.arrived else result.ended,
         duration_s=round(result.duration_s, 3),
         contacts=seen.contacts,
         red=seen.red,
