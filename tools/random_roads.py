@@ -9,8 +9,8 @@ that SUMO's own driver completes. Prints a table by kind, "this driver / SUMO's 
 worse (contact, red light, failure, no arrival, more hard brakings caused, more than 1.5 times as long), smallest network
 first, each with the command that replays it. `--keep` writes the files of one network and drives nothing: it prints the
 `sumo-reactive run` command of each ego. Both drivers are judged alike: contacts, red lights and time off the road by a
-witness that looks at SUMO alone, the rest by the lab's judges. Exit codes: 0, 1 after a contact, a red light run or a fault
-of this program, 2 for wrong input, 130 after an interrupt.
+witness that looks at SUMO alone, the rest by the lab's judges. Exit codes: 0, 1 after a contact, a red light run or a trip
+that failed, 2 for wrong input, 130 after an interrupt.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 sys.path.insert(0, str(Path(__file__).parent))
 
 from roads.kinds import kind_at
-from roads.table import INTERNAL_ERROR, Row, as_data, faults, table, worse
+from roads.table import Row, as_data, faults, table, worse
 from roads.trips import Order, Prepared, Run, Trip, prepared, scenario_of
 
 from sumo_reactive.errors import ReactiveError
@@ -41,7 +41,7 @@ from sumo_reactive.lab.task import Ending, Task, replay_command
 
 EGOS = 8
 TIMEOUT_S = 900.0
-TOO_LONG, INTERRUPTED = 124, 130
+SUMO_FAILED, INTERNAL_ERROR, TOO_LONG, INTERRUPTED = 3, 70, 124, 130
 
 
 class Found(NamedTuple):
@@ -167,8 +167,9 @@ def _driven_network(order: Order, runner: Runner, timeout: float) -> Found:
 
 
 def _failed(ending: Ending, reason: str) -> Run:
-    """Return what stands for a trip that could not be driven to its end."""
-    return Run(exit_code=TOO_LONG if ending is Ending.TIMEOUT else INTERNAL_ERROR, error=reason)
+    """Return what stands for a trip that could not be driven to its end, with the exit code that `run` has."""
+    code = INTERNAL_ERROR if reason.startswith("internal error") else SUMO_FAILED
+    return Run(exit_code=TOO_LONG if ending is Ending.TIMEOUT else code, error=reason)
 
 
 def _not_driven(found: Sequence[Found]) -> list[dict[str, Any]]:

@@ -14,8 +14,6 @@ SLOWER = 1.5
 TOLD = 3
 """Contacts of a trip that are told one by one."""
 
-INTERNAL_ERROR = 70
-
 
 class Row(NamedTuple):
     """A trip: number and kind of the network, how many edges it has, the ego, and what both drivers made of it."""
@@ -35,8 +33,8 @@ class Row(NamedTuple):
 
     @property
     def is_harmful(self) -> bool:
-        """Whether there was a contact, a red light was run, or the program failed."""
-        return bool(self.ours.contacts or self.ours.red or self.ours.exit_code >= INTERNAL_ERROR)
+        """Whether there was a contact, a red light was run, or the trip failed."""
+        return bool(self.ours.contacts or self.ours.red or self.ours.error)
 
     @property
     def disagrees(self) -> bool:

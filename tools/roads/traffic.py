@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 from random import Random
 from typing import Any, NamedTuple
 
@@ -26,6 +28,9 @@ FAST = 20.0
 
 SHORTEST_M = 80.0
 """A trip is no shorter."""
+
+TURNS_ROUND = 0.1
+"""Of the trips that turn round on their way, so many are kept."""
 
 FREE_SPEED = 9.0
 """m/s over a trip on free roads, as a guess."""
@@ -58,9 +63,16 @@ class Demand(NamedTuple):
             first = self.rng.choices(place.edges, place.begins)[0]
             last = self.rng.choices(place.edges, place.ends)[0]
             found, _ = self.net.getOptimalPath(first, last, fastest=True, vClass=vehicle_class)
-            if found and len(found) > 1 and sum(one.getLength() for one in found) > SHORTEST_M:
+            if not found or len(found) < 2 or sum(one.getLength() for one in found) < SHORTEST_M:
+                continue
+            if not _turns_round(found) or self.rng.random() < TURNS_ROUND:
                 return list(found)
         return []
+
+
+def _turns_round(route: Sequence[Any]) -> bool:
+    """Whether an edge of a route leads back to where the one before it has begun."""
+    return any(one.getFromNode() is other.getToNode() for one, other in pairwise(route))
 
 
 def vehicles(demand: Demand) -> list[str]:
