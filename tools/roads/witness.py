@@ -58,7 +58,8 @@ class Witness:
         if self.id not in libsumo.vehicle.getIDList():
             return
         time, lane = float(libsumo.simulation.getTime()), libsumo.vehicle.getLaneID(self.id)
-        self._off_road += 0.0 if lane else float(libsumo.simulation.getDeltaT())
+        if not lane and not libsumo.vehicle.isStoppedParking(self.id):
+            self._off_road += float(libsumo.simulation.getDeltaT())
         self._see_light(time, libsumo.vehicle.getRoadID(self.id) if lane else "")
         touching = set(self._touched())
         self._contacts += [(round(time, 2), name) for name in sorted(touching - self._touching)]
