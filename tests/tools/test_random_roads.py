@@ -25,7 +25,7 @@ from roads.kinds import KINDS, draw_of, kind_at
 from roads.plain import Roads, document, edge, element, node
 from roads.scenarios import written
 from roads.table import Row, faults, table, worse
-from roads.trips import Order, Run, completed, drawn, scenario_of
+from roads.trips import Order, Run, brisk_of, completed, drawn, scenario_of
 from roads.witness import Witness, bridges_of
 
 SMALL = (3, 18)
@@ -152,6 +152,16 @@ def test_a_witness_counts_a_contact_once_and_none_on_a_bridge(tmp_path):
         libsumo.close()
     assert aware.seen == ((), (), 0.0)
     assert [name for _, name in unaware.seen.contacts] == ["c_d"]
+
+
+def test_who_brakes_hard_in_comfort_is_known(tmp_path):
+    sorts = [element("vType", id=name, vClass=sort, decel=decel) for name, sort, decel in (
+        ("calm", "passenger", 4.5), ("hard", "passenger", 5.0), ("plain", "truck", None), ("motorcycle", "motorcycle", None),
+        ("slow", "motorcycle", 4.0),
+    )]  # fmt: skip
+    cars = [element("trip", id=f"{name}_1", type=name) for name in ("calm", "hard", "plain", "motorcycle", "slow")]
+    (tmp_path / "roads.rou.xml").write_text(document("routes", [*sorts, *cars]), encoding="utf-8")
+    assert brisk_of(tmp_path) == {"hard_1", "motorcycle_1"}
 
 
 CLEAN = Run(arrived=True, told="arrived without a violation", duration_s=20.0)

@@ -14,7 +14,7 @@ from roads.plain import document, element
 from roads.traffic import Demand, bus_stops, persons, vehicles
 from roads.vehicles import vehicle_types
 
-CONFIG = "roads.sumocfg"
+CONFIG, TRAFFIC = "roads.sumocfg", "roads.rou.xml"
 STEPS = {0.1: 4, 0.2: 3, 0.5: 3, 1.0: 1}
 """Step lengths (s), and how often each is drawn."""
 

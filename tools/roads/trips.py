@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from random import Random
@@ -9,13 +10,14 @@ from typing import NamedTuple
 
 import libsumo
 
-from roads.scenarios import Place, written
+from roads.scenarios import TRAFFIC, Place, written
 from roads.traffic import WINDOW_S
 from roads.vehicles import SORTS
 from roads.witness import Seen, Witness, bridges_of
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.metrics.encounters import HARD_BRAKING
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.simulation import Onlookers, Simulation, run_trial, started
@@ -33,6 +35,9 @@ UNTIL_S = 1200.0
 SHORTEST_S = 15.0
 """A trip takes no less."""
 
+DECELERATIONS = {"motorcycle": 10.0}
+"""SUMO's own, m/s², of a class that brakes harder than others unless its type says otherwise."""
+
 EGOS = {"car": 8.0, "van": 1.0, "truck": 1.5, "bus": 1.5, "trailer": 0.7}
 """The sorts of vehicles that are egos, and how likely one of them is drawn."""
 
@@ -41,7 +46,8 @@ class Run(NamedTuple):
     """What a driver made of a trip. `exit_code` as the command line has it; `error` in one line; `told`: the verdict, or why
     the run ended before the goal.
 
-    Times in s; `hard_braking`: of others, with the ego as the cause; `lateral`: m/s², the largest.
+    Times in s; `hard_braking`: of others, with the ego as the cause, those left out who brake so hard in comfort; `lateral`:
+    m/s², the largest.
     """
 
     arrived: bool = False
@@ -140,7 +146,8 @@ def _driven_by_sumo(place: Place, egos: tuple[str, ...], bridges: frozenset[froz
         )
         simulation.run()
         results = simulation.results
-    runs = {one.ego: _run(one, witnesses[one.ego].seen) for one in results}
+    brisk = brisk_of(place.config.parent)
+    runs = {one.ego: _run(one, witnesses[one.ego].seen, brisk) for one in results}
     return {name: runs[name] for name in egos if name in runs}
 
 
@@ -164,10 +171,18 @@ def driven(trip: Trip) -> Run:
     except ReactiveError as error:
         seen = witness.seen
         return Run(exit_code=error.exit_code, error=" ".join(str(error).split()), contacts=seen.contacts, red=seen.red)
-    return _run(result, witness.seen)
+    return _run(result, witness.seen, brisk_of(trip.place.config.parent))
 
 
-def _run(result: TrialResult, seen: Seen) -> Run:
+def brisk_of(folder: Path) -> frozenset[str]:
+    """Return the vehicles of a scenario whose comfortable deceleration is as hard as the judge's hard braking."""
+    root = ET.parse(folder / TRAFFIC).getroot()
+    own = {one.attrib["id"]: one.get("decel", DECELERATIONS.get(one.attrib["vClass"], 0.0)) for one in root.iter("vType")}
+    brisk = {name for name, decel in own.items() if -float(decel) < HARD_BRAKING}
+    return frozenset(one.attrib["id"] for one in root if one.get("type") in brisk)
+
+
+def _run(result: TrialResult, seen: Seen, brisk: frozenset[str]) -> Run:
     figures = {name: value or 0 for name, value in result.figures.items()}
     return Run(
         arrived=result.arrived,
@@ -176,7 +191,7 @@ def _run(result: TrialResult, seen: Seen) -> Run:
         duration_s=round(result.duration_s, 3),
         contacts=seen.contacts,
         red=seen.red,
-        hard_braking=int(figures["hard_braking_caused"]),
+        hard_braking=sum(one.user_id not in brisk for one in result.hard_brakes),
         ways_taken=int(figures["right_of_way_violations"]),
         off_road_s=seen.off_road_s,
         standstill_s=figures["standstill_s"],
