@@ -154,6 +154,23 @@ def test_a_witness_counts_a_contact_once_and_none_on_a_bridge(tmp_path):
     assert [name for _, name in unaware.seen.contacts] == ["c_d"]
 
 
+def test_who_parks_is_not_off_the_road(tmp_path):
+    net, file = OVER.built(tmp_path), tmp_path / "roads.rou.xml"
+    stop = element("stop", lane="a_b_0", endPos=60, duration=20, parking="true")
+    car = element("vehicle", element("route", edges="a_b"), stop, id="x", depart=0)
+    file.write_text(document("routes", [car]), encoding="utf-8")
+    witness, lanes = Witness("x"), []
+    libsumo.start(["sumo", "-n", str(net), "-r", str(file), "--no-step-log", "--step-length", "0.5"])
+    try:
+        for _ in range(50):
+            libsumo.simulationStep()
+            witness.look()
+            lanes.append(libsumo.vehicle.getLaneID("x"))
+    finally:
+        libsumo.close()
+    assert "" in lanes and witness.seen.off_road_s == 0.0
+
+
 def test_who_brakes_hard_in_comfort_is_known(tmp_path):
     sorts = [element("vType", id=name, vClass=sort, decel=decel) for name, sort, decel in (
         ("calm", "passenger", 4.5), ("hard", "passenger", 5.0), ("plain", "truck", None), ("motorcycle", "motorcycle", None),
