@@ -34,7 +34,7 @@ _SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
 
 
 class Occupant(NamedTuple):
-    """Who occupies lanes: an ego on lane segment `here` of its plan, which SUMO has last had on `mapped` (empty: no lane)."""
+    """Who occupies lanes: an ego on segment `here` of its plan, which SUMO has last had on lane `mapped` (empty: none)."""
 
     graph: RoadGraph
     plan: NominalPlan
