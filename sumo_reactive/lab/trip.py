@@ -36,6 +36,7 @@ from sumo_reactive.sumo.stand_ins import (
     left_behind,
     mapped_elsewhere,
     occupied_lane,
+    tail_across,
 )
 from sumo_reactive.sumo.vehicle_type import front_of
 
@@ -177,16 +178,15 @@ class Trip:
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
         """Return where to show the ego besides; in a turn in several moves at two places."""
         drive, edges = step.drive, self._driving.route.edges
-        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits)
-        elsewhere = mapped_elsewhere(by, self._mapped, drive.s, edges)
-        if elsewhere is not None:
-            return elsewhere, None
+        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped)
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
             behind = left_behind(by, turn, edges[turn.from_index :])
             return behind, ahead_of_mapping(by, turn, edges[turn.route_index :])
         stop = step.completed.stop.s if step.completed.stop else math.inf
-        return occupied_lane(by, drive.s, edges[here.route_index :], stop), None
+        place = mapped_elsewhere(by, drive.s, edges)
+        place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
+        return place or tail_across(by, drive.s, edges), None
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

@@ -39,13 +39,14 @@ _SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
 
 
 class Occupant(NamedTuple):
-    """Who occupies lanes: an ego on lane segment `here` of its plan."""
+    """Who occupies lanes: an ego on segment `here` of its plan, which SUMO has last had on lane `mapped` (empty: none)."""
 
     graph: RoadGraph
     plan: NominalPlan
     here: LaneSegment
     ego: VehicleState
     limits: VehicleLimits
+    mapped: str = ""
 
     @property
     def front(self) -> tuple[float, float]:
@@ -99,13 +100,33 @@ def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = 
     return OccupiedLane(lane, *rear, 0.0, (lane.edge_id,))
 
 
-def mapped_elsewhere(by: Occupant, mapped: str, s: float, edges: tuple[str, ...]) -> OccupiedLane | None:
-    """Return where to show an ego whom SUMO has on a lane of a junction that its plan does not use, `mapped`, so that those
-    behind it see its rear; None: SUMO has it where it drives. `s`: where its front axle is, m of C; `edges`: its route."""
-    if not mapped.startswith(":") or any(segment.lane_id == mapped for segment in by.plan.segments):
+def mapped_elsewhere(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show an ego whom SUMO has on the lane beside its own, or on a lane of a junction that its plan does
+    not use, so that those behind it see its rear; None: SUMO has it where it drives. `s`: where its front axle is, m of C;
+    `edges`: its route."""
+    if any(lane is not None and lane.id == by.mapped for lane in by.graph.neighbours(by.here.lane_id)):
+        return OccupiedLane(by.graph.lanes[by.here.lane_id], *by.front, by.ego.speed, edges[by.here.route_index :])
+    if not by.mapped.startswith(":") or any(segment.lane_id == by.mapped for segment in by.plan.segments):
         return None
     middle = segment_at(by.plan, s + by.limits.front_overhang - 0.5 * by.limits.length)
     return OccupiedLane(by.graph.lanes[middle.lane_id], *by.front, by.ego.speed, edges[middle.route_index :])
+
+
+def tail_across(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show an ego whose rear lies over the lane beside the one that its plan has it on there; None: it is
+    within its lane. `s`: where its front axle is, m of C; `edges`: its route.
+
+    A long body that has stopped in the middle of a change, or before it stands straight, is else seen where its front is.
+    """
+    tail = segment_at(by.plan, s + by.limits.front_overhang - by.limits.length)
+    (x, y), heading, half = by.behind_front(by.limits.length), by.ego.pose.heading, 0.5 * by.limits.width
+    corners = [(x - side * math.sin(heading), y + side * math.cos(heading)) for side in (-half, half)]
+    for lane in by.graph.neighbours(tail.lane_id):
+        if lane is None or lane.id == by.mapped:
+            continue
+        if min(abs(lane.spine.project(*corner)[1]) for corner in corners) < 0.5 * lane.width - OCCUPIED_LANE_M:
+            return OccupiedLane(lane, *by.front, by.ego.speed, edges[tail.route_index :])
+    return None
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

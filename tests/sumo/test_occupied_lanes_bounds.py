@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from occupants import ahead, behind, cut_in_bend, elsewhere, in_change, occupied
+from occupants import across, ahead, behind, cut_in_bend, elsewhere, in_change, occupied
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, Turnaround
@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.sumo import stand_ins
 from sumo_reactive.sumo.net_reader import read_net
-from sumo_reactive.sumo.stand_ins import OFF_TRACKING_SEEN_S, OccupiedLane
+from sumo_reactive.sumo.stand_ins import OFF_TRACKING_SEEN_S, Occupant, OccupiedLane
 
 CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
 LANE = '<lane id="{0}" index="{1}" speed="9" length="{2}" shape="{3},{4} {5},{4}"/>'
@@ -192,6 +192,30 @@ def test_an_ego_whom_sumo_has_on_another_way_through_a_junction_is_shown_where_i
     plan = SimpleNamespace(segments=[LaneSegment(lane, start, end, 0.0, edge) for lane, start, end, edge in ways])
     seen = elsewhere(road, plan, mapped, 301.0 - CAR.front_overhang, ego_at(301.0, -4.0), CAR, EDGES)
     assert seen == (OccupiedLane(road.lanes["ab_0"], pytest.approx(301.0), -4.0, 5.0, EDGES) if is_shown else None)
+
+
+LONG = replace(CAR, length=12.0)
+
+
+@pytest.mark.parametrize(
+    ("heading", "mapped", "is_shown"),
+    [(0.0, "ab_1", False), (0.06, "ab_1", False), (0.12, "ab_1", True), (0.3, "ab_1", True), (0.3, "ab_0", False)],
+)
+def test_an_ego_whose_rear_is_over_the_lane_beside_is_shown_there(road, heading, mapped, is_shown):
+    plan = SimpleNamespace(segments=[LaneSegment("ab_1", 0.0, 300.0, 0.0, 0)])
+    reach = LONG.front_to_rear_axle
+    ego = VehicleState(Pose(60.0 - reach * math.cos(heading), -1.6 - reach * math.sin(heading), heading), 5.0, 0.0)
+    seen = across(road, plan, mapped, 60.0 - LONG.front_overhang, ego, LONG, EDGES)
+    there = OccupiedLane(road.lanes["ab_0"], pytest.approx(60.0), pytest.approx(-1.6), 5.0, EDGES)
+    assert seen == (there if is_shown else None)
+
+
+@pytest.mark.parametrize(("mapped", "is_shown"), [("ab_0", True), ("ab_1", False), ("bc_1", False)])
+def test_an_ego_whom_sumo_has_on_the_lane_beside_is_shown_on_its_own(road, mapped, is_shown):
+    plan = SimpleNamespace(segments=[LaneSegment("ab_1", 0.0, 300.0, 0.0, 0)])
+    by = Occupant(road, plan, plan.segments[0], ego_at(60.0, -3.0), CAR, mapped)
+    seen = stand_ins.mapped_elsewhere(by, 60.0, EDGES)
+    assert seen == (OccupiedLane(road.lanes["ab_1"], pytest.approx(60.0), -3.0, 5.0, EDGES) if is_shown else None)
 
 
 TURN = Turnaround(40.0, 41.0, 46.0, "ab_1", 0, "ba_0", 1, (), 20.0, 5.0)
