@@ -1,6 +1,7 @@
 """Judges: each figure against a case computed by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -248,3 +249,12 @@ def test_a_dip_of_the_speed_within_one_step_is_no_obstruction(jury, dip, violati
         speed = 14.0 - dip * (k == 12)
         jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0"), (one._replace(speed=speed),), world=world))
     assert len(violations_of(jury)) == violations
+
+
+def test_on_a_new_route_the_junction_that_it_does_not_pass_is_forgotten(jury):
+    before, after = _crossing(), replace(_crossing(), connections={}, junctions={}, regions={}, arcs=())
+    for k in range(20):
+        (one,) = _one_brakes(0.1 * k, 4.0)
+        world = before if k < 5 else after
+        jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0" if k < 5 else "new_0"), (one,), world=world))
+    assert violations_of(jury) == []

@@ -111,7 +111,10 @@ class RightOfWayViolations:
 
     def see(self, moment: Moment) -> None:
         """Note who is newly obstructed."""
-        self._graph = graph = moment.world
+        graph = moment.world
+        if graph is not self._graph and graph is not None and self._own is not None:
+            self._own = graph.connections.get(self._own.id)  # a route taken anew may not pass that junction
+        self._graph = graph
         if graph is None:
             return
         self._remember(moment)
