@@ -80,10 +80,10 @@ NEAR_RIGHT = ego_at(RIGHT_FIRST, SOUTH_NORTH, 12.0, 6.0)
 CANNOT_STOP_M = 13.0**2 / (2.0 * USUAL.foe_can_stop_deceleration)
 
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
-    "m that a fast car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 13.0), 26.0, 150.0, 69.457),
-    "m that a slow car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 8.0), 26.0, 150.0, 58.157),
-    "m that a car from the right must be away": (stops_for(FROM_A_STAND, EAST_WEST, 13.0), 26.0, 150.0, 77.840),
-    "m/s at which a near car counts": (stops_at_speed(FROM_A_STAND, WEST_EAST, 20.0), 0.2, 13.0, 0.563),
+    "m that a fast car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 13.0), 26.0, 150.0, 70.304),
+    "m that a slow car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 8.0), 26.0, 150.0, 59.005),
+    "m that a car from the right must be away": (stops_for(FROM_A_STAND, EAST_WEST, 13.0), 26.0, 150.0, 78.766),
+    "m/s at which a near car counts": (stops_at_speed(FROM_A_STAND, WEST_EAST, 20.0), 0.2, 13.0, 0.465),
     "m that a car must be away of an ego that rolls": (stops_for(ROLLING, WEST_EAST, 13.0), 20.0, 150.0, 37.360),
     "m at which the ego goes behind": (stops_for(minor(20.0, 8.0), WEST_EAST, 13.0), 0.5, 30.0, 9.631),
     "m of oncoming walkers' pace": (stops_for(LEFT, NORTH_SOUTH, 3.0, GREEN), 20.0, 150.0, 33.266),
