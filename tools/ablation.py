@@ -278,6 +278,8 @@ def _kinds(folder: Path) -> Iterator[tuple[str, Scenario]]:
     rude = k.sort("rude", jmIgnoreFoeProb=1, jmIgnoreFoeSpeed=100, jmIgnoreJunctionFoeProb=1, jmTimegapMinor=0)
     takes = k.stream("x", "sc cn", [1, 3.5, 6, 8.5, 11], type="rude")
     yield _kind(k, folder, "right of way taken from it", k.cross(), rude, takes, k.car("ego", "wc ce", 3))
+    dead_end = k.Net(k.node("a", 0, 0) + k.node("b", 100, 0), k.edge("ab") + k.edge("ba"), options=())
+    yield _kind(k, folder, "turning round", dead_end, k.car("ego", "ab ba"))
 
 
 def _kind(k: Any, folder: Path, name: str, net: Any, *vehicles: str, extra: str = "") -> tuple[str, Scenario]:

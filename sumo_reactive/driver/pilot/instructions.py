@@ -20,8 +20,7 @@ TUNINGS: dict[Instruction, Tuning] = {
     # lane the ego drives: there it leans away from a body which it would pass within a second nearer than 1.1 m
     Instruction.FOLLOW_CURVE: Tuning(_USUAL, _CALM),
     Instruction.APPROACH: Tuning(_USUAL, _CALM),
-    # rather roll up to a stop than reach it early: whoever the ego waits for may be gone by then
-    Instruction.STOP: Tuning(_USUAL, VelocityProfile(deceleration=0.8)),
+    Instruction.STOP: Tuning(_USUAL, _CALM),
     Instruction.CROSS: Tuning(_USUAL, _CALM),
     # the attraction of C gives way, U₂ counts three times as much, and the gap behind X may close while pulling out
     Instruction.OVERTAKE: Tuning(_WEAKENED, VelocityProfile(headway=PASSING_HEADWAY)),

@@ -113,7 +113,7 @@ TELLINGS = {
     minor_road: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 until 104.77 YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
 - arrival_s 2.25 clearance_s 4.39 foe_arrival_s 2.20 foe_clearance_s 3.06
 CLAIMED from_south_0->to_west_0|from_west_0->to_east_0 from_west
@@ -141,7 +141,7 @@ delay 0.00 on 100.00 0
     region_taken: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
 - arrival_s 2.27 clearance_s 2.88 foe_arrival_s 0.00 foe_clearance_s 56.00
 CAUTIOUS because EXIT_BLOCKED from_south_0->to_north_0 inside
@@ -157,7 +157,7 @@ delay 0.00 on 100.00 0
     no_room_behind: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
 - arrival_s 2.61 clearance_s 3.51 foe_arrival_s 0.00 foe_clearance_s 12.00
 CAUTIOUS because EXIT_BLOCKED from_south_0->to_north_0 queue
@@ -174,7 +174,7 @@ delay 0.00 on 100.00 0
     foe_too_fast: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 until 101.83 FOE_CANNOT_STOP from_west_0->to_east_0|from_south_0->to_north_0 from_south
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because FOE_CANNOT_STOP from_west_0->to_east_0|from_south_0->to_north_0 from_south
 - arrival_s 2.30 clearance_s 2.74 foe_arrival_s 1.28 foe_clearance_s 1.88
 CLAIMED from_west_0->to_east_0|from_south_0->to_north_0 from_south
@@ -189,7 +189,7 @@ delay 0.00 on 100.00 0
     left_turn: """
 CAUTIOUS: STOP, YIELD
 stop at 10.01 until 103.42 YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
 - arrival_s 3.27 clearance_s 4.71 foe_arrival_s 2.42 foe_clearance_s 3.19
 CLAIMED from_south_1->to_west_1|from_north_0->to_south_0 from_north
@@ -216,7 +216,7 @@ delay 0.00 on 100.00 0
     red: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 RED_LIGHT centre
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because RED_LIGHT centre
 5 regions
 DEGRADED late 5.83 for 0.00
@@ -251,7 +251,7 @@ delay 0.00 on 100.00 0
     standing_at_red: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 RED_LIGHT centre
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because RED_LIGHT centre
 5 regions
 DEGRADED late 7.12 for 0.00
@@ -263,7 +263,7 @@ delay 0.00 on 100.00 0
     another_turn: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 WAIT_FOR_TURN from_west_0->to_east_0|from_north_0->to_south_0 from_north
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because WAIT_FOR_TURN from_west_0->to_east_0|from_north_0->to_south_0 from_north
 - arrival_s 2.35 clearance_s 3.42 foe_arrival_s 3.41 foe_clearance_s 156.00
 CLAIMED from_west_0->to_east_0|from_north_0->to_south_0 from_north
@@ -278,7 +278,7 @@ delay 0.00 on 100.00 0
     stop_sign: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 STOP_SIGN
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because STOP_SIGN
 6 regions
 DEGRADED late 5.22 for 0.00
@@ -315,7 +315,7 @@ delay 0.25 on 102.00 0
     from_the_right: """
 CAUTIOUS: STOP, YIELD
 stop at 0.00 until 102.93 YIELD_TO from_south_0->to_north_0|from_east_0->to_west_0 from_east
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_0->to_north_0|from_east_0->to_west_0 from_east
 - arrival_s 2.53 clearance_s 3.27 foe_arrival_s 2.05 foe_clearance_s 3.34
 CLAIMED from_south_0->to_north_0|from_east_0->to_west_0 from_east

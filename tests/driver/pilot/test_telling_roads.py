@@ -332,7 +332,7 @@ delay 0.00 on 100.00 0 passing x 95.00 RETURN
 NORMAL: STOP, YIELD
 stop at -258.00 BLOCKED x
 looks 600.00
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 STOPPING because BLOCKED x
 NORMAL passes FOLLOWS x
 0 regions
@@ -406,7 +406,7 @@ delay 0.00 on 100.00 0
 CHANGING_LANES: STOP, YIELD
 stop at -20.28 NO_GAP road_before_exit_0 beside
 from -60.28 NO_GAP behind before
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FINE late 0.84 for 0.00
@@ -420,7 +420,7 @@ TAKING_ANOTHER_WAY: STOP, YIELD
 stop at -20.29 NO_GAP road_before_exit_0 beside
 from -22.29 NO_GAP behind before
 asks for ROUTE 0 0
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FAILURE late 0.98 for 0.00
@@ -433,7 +433,7 @@ delay 0.00 on 100.00 0 waits since 70.00
     reaches_its_stop: """
 STOPPING: STOP, YIELD
 stop at -99.00 SCHEDULED_STOP from_west_0
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 STOPPING because SCHEDULED_STOP from_west_0
 0 regions
 DEGRADED late 6.74 for -99.00
@@ -457,7 +457,7 @@ delay 0.00 on 100.00 0 move (0, 0)
     before_a_turn: """
 TURNING_ROUND: STOP, YIELD
 stop at -292.00 NARROW_TURN
-tuned 10.00 0.80 1.00
+tuned 10.00 1.00 1.00
 TURNING_ROUND because NARROW_TURN
 0 regions
 FINE late 0.61 for 0.00
