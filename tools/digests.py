@@ -22,13 +22,13 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any
+from typing import Any, TypeVar
 
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
@@ -55,6 +55,8 @@ _BLOCK, _LINE = 8, 4
 """Hexadecimal digits for a block of time and for a decision."""
 
 Digests = dict[str, Any]
+Order = TypeVar("Order")
+Found = TypeVar("Found")
 
 
 def main() -> None:
@@ -135,6 +137,17 @@ def listed_runs(corpus: Path, path: Path, seeds: Sequence[int]) -> Iterator[tupl
 
 def driven(runs: Mapping[str, Scenario], jobs: int, timeout: float) -> Iterator[tuple[str, Digests]]:
     """Drive `jobs` runs at a time in processes of their own; yield name and digests in the order of the runs."""
+
+    def one(scenario: Scenario, runner: Runner) -> Digests:
+        ending, value, _ = runner.call("digests:digests_of_run", scenario, timeout)
+        return value if ending is Ending.DONE else _nothing(value)
+
+    yield from zip(runs, in_processes(runs.values(), one, jobs), strict=True)
+
+
+def in_processes(orders: Iterable[Order], one: Callable[[Order, Runner], Found], jobs: int) -> Iterator[Found]:
+    """Carry out `jobs` of the `orders` at a time, each with a runner whose process finds the tools; yield what `one` found
+    in their order."""
     here = str(Path(__file__).resolve().parent)
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH", ""))))
     idle: SimpleQueue[Runner] = SimpleQueue()
@@ -142,17 +155,16 @@ def driven(runs: Mapping[str, Scenario], jobs: int, timeout: float) -> Iterator[
     for runner in runners:
         idle.put(runner)
 
-    def one(scenario: Scenario) -> Digests:
+    def with_runner(order: Order) -> Found:
         runner = idle.get()
         try:
-            ending, value, _ = runner.call("digests:digests_of_run", scenario, timeout)
+            return one(order, runner)
         finally:
             idle.put(runner)
-        return value if ending is Ending.DONE else _nothing(value)
 
     with ThreadPoolExecutor(jobs) as threads:
         try:
-            yield from zip(runs, threads.map(one, runs.values()), strict=True)
+            yield from threads.map(with_runner, orders)
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
             for runner in runners:

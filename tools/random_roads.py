@@ -18,20 +18,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import shlex
 import shutil
 import signal
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from queue import SimpleQueue
 from typing import Any, NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from digests import in_processes
 from roads.kinds import kind_at
 from roads.table import Row, as_data, faults, table, worse
 from roads.trips import Order, Prepared, Run, Trip, prepared, scenario_of
@@ -138,28 +136,15 @@ def _run_command(ready: Prepared, ego: str, parameters: Parameters) -> str:
 
 def driven(orders: Sequence[Order], jobs: int, timeout: float) -> Iterator[Found]:
     """Drive so many networks at a time, each trip in a process of its own; yield what came of them in their order."""
-    here = str(Path(__file__).resolve().parent)
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH", ""))))
-    idle: SimpleQueue[Runner] = SimpleQueue()
-    runners = [Runner() for _ in range(jobs)]
-    for runner in runners:
-        idle.put(runner)
 
-    def one(order: Order) -> Found:
-        runner, folder = idle.get(), Path(tempfile.mkdtemp(prefix="random_roads_"))
+    def one(order: Order, runner: Runner) -> Found:
+        folder = Path(tempfile.mkdtemp(prefix="random_roads_"))
         try:
             return _driven_network(order._replace(folder=folder), runner, timeout)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
-            idle.put(runner)
 
-    with ThreadPoolExecutor(jobs) as threads:
-        try:
-            yield from threads.map(one, orders)
-        finally:
-            threads.shutdown(wait=False, cancel_futures=True)
-            for runner in runners:
-                runner.close()
+    yield from in_processes(orders, one, jobs)
 
 
 def _driven_network(order: Order, runner: Runner, timeout: float) -> Found:
