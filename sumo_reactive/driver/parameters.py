@@ -177,6 +177,10 @@ class Parameters:
     red_margin_s: float = 0.5
     """A line is passed at yellow, by who brakes for something behind it, so long before red."""
 
+    foreseen_lights_s: float = 0.0
+    """How far ahead the driver knows when lights of fixed programs switch, as one who is told does: it then comes to a red
+    one rolling, where it turns green within this time. 0: not at all."""
+
     # --- gaps at conflict regions (F&L 1991, §2) ---
 
     gap_before_s: float = 1.0

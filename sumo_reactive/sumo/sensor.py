@@ -17,6 +17,9 @@ from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.static_obstacles import StaticObstacles
 from sumo_reactive.sumo.vehicle_type import heading_of
 
+FIXED_PROGRAM = 0
+"""SUMO's type of a light whose phases last as long as the program says."""
+
 ROUTE_REFRESH_S = 3.0
 """Another vehicle's route is read anew after this long, for it may have been re-routed."""
 
@@ -119,6 +122,7 @@ class Sensor:
         self._now = -math.inf
         self._seen: dict[str, tuple[RoadUser, ...]] = {}
         self._letters: dict[str, str] = {}
+        self._programs: dict[tuple[str, str], tuple[tuple[float, str], ...]] = {}
 
     def look(self) -> float:
         """Begin to look at the present step, unless another ego has; return simulation time, s."""
@@ -141,6 +145,22 @@ class Sensor:
         if found is None:
             found = self._letters[light_id] = libsumo.trafficlight.getRedYellowGreenState(light_id)
         return found
+
+    def switches(self, light_id: str, horizon: float) -> tuple[tuple[float, str], ...]:
+        """Return when a light of a fixed program will switch within `horizon` s, and its letters from then on."""
+        lights = libsumo.trafficlight
+        running = light_id, lights.getProgram(light_id)
+        phases = self._programs.get(running)
+        if phases is None:
+            phases = self._programs[running] = _fixed_phases(*running)
+        if not phases:
+            return ()
+        found, k, time = list[tuple[float, str]](), lights.getPhase(light_id), float(lights.getNextSwitch(light_id))
+        while time <= self._now + horizon:
+            k = (k + 1) % len(phases)
+            found.append((time, phases[k][1]))
+            time += phases[k][0]
+        return tuple(found)
 
     def vehicles(self, lanes: tuple[SeenLane, ...]) -> list[RoadUser]:
         """Return who drives or stands on `lanes`, stand-ins left out."""
@@ -214,6 +234,15 @@ class Sensor:
         until = self._now + ROUTE_REFRESH_S
         found = self._known[name] = _Known(known.body if known else _body(name), until, edge_id, route)
         return found
+
+
+def _fixed_phases(light_id: str, program_id: str) -> tuple[tuple[float, str], ...]:
+    """Return duration (s) and letters of each phase, in order, of a program that keeps to them; none of any other."""
+    logics = (one for one in libsumo.trafficlight.getAllProgramLogics(light_id) if one.programID == program_id)
+    logic = next(logics, None)
+    if logic is None or logic.type != FIXED_PROGRAM or any(phase.next or phase.duration <= 0.0 for phase in logic.phases):
+        return ()
+    return tuple((phase.duration, phase.state) for phase in logic.phases)
 
 
 def _body(name: str) -> Body:

@@ -6,7 +6,11 @@ import math
 from dataclasses import replace
 
 import pytest
-from kinds import ARMS, Net, car, cross, driven, edge, link, node, program, standing, stream
+from helpers.witness import Witness
+from kinds import ARMS, Net, car, cross, driven, edge, link, node, program, situation, standing, stream
+
+from sumo_reactive.driver.parameters import Parameters
+from sumo_reactive.lab.simulation import run_trial
 
 LIGHTS = cross("traffic_light")
 """Letters: n, e, s, w; of each: right, straight on, left."""
@@ -72,6 +76,19 @@ def test_a_car_inserted_on_a_lane_shorter_than_itself_waits_at_its_end_for_green
     run = driven(tmp_path, net, car("ego", "wc ce", departSpeed="0"), extra=light)
     assert run.complaints() == []
     assert [letter for _, letter in run.ego.lights] == ["g"]
+
+
+def test_who_knows_when_a_red_light_turns_green_comes_to_it_rolling(tmp_path):
+    light = program("c", (14, SIDE), (3, SIDE_YELLOW), (40, MAIN))
+    scenario, least = situation(tmp_path, LIGHTS, car("ego", "wc ce"), extra=light), []
+    for known in (0.0, 60.0):
+        witness = Witness()
+        result = run_trial(replace(scenario, parameters=Parameters(foreseen_lights_s=known)), observer=witness)
+        assert result.verdict == "arrived without a violation"
+        assert [letter for _, letter in witness.lights] == ["G"]
+        least.append(min(moment.speed for moment in witness.moments[20:]))
+    assert least[0] == pytest.approx(0.0, abs=0.01)
+    assert least[1] > 1.5
 
 
 def test_right_on_red_stops_first_and_then_takes_a_gap(tmp_path):

@@ -205,6 +205,22 @@ def test_an_ego_observes_the_light_ahead(net, tmp_path):
     assert set(traffic.lights) == {"c"} and len(traffic.lights["c"]) > 10
 
 
+def test_the_future_of_a_light_is_known_for_as_long_as_asked_where_its_program_is_fixed(net, tmp_path):
+    phases = ((5, "G"), (3, "y"), (7, "r"))
+    with running(net, tmp_path, ""):
+        lights = libsumo.trafficlight
+        count, sensor = len(lights.getRedYellowGreenState("c")), Sensor()
+        for number, (name, kind) in enumerate((("fixed", 0), ("actuated", 3))):
+            made = [lights.Phase(float(lasts), letter * count, lasts, lasts) for lasts, letter in phases]
+            lights.setProgramLogic("c", lights.Logic(name, kind, 0, made))
+            simulated(1)
+            now = sensor.look()
+            began = lights.getNextSwitch("c") - 5.0
+            known = [(time - began, letters) for time, letters in sensor.switches("c", 16.0 - (now - began))]
+            assert known == ([] if number else [(5.0, "y" * count), (8.0, "r" * count), (15.0, "G" * count)])
+            assert sensor.switches("c", 0.0) == ()
+
+
 def test_an_ego_observes_who_walks_over_the_road_ahead_and_who_is_about_to(net, tmp_path):
     graph = read_net(net).build(("wc", "ce"))
     found = plan(graph, Route(("wc", "ce")), "passenger", CAR, start_of(graph, "wc", 30.0, 8.0))

@@ -14,7 +14,7 @@ from sumo_reactive.driver.field.command_grid import CommandGrid, gentlest_brake,
 from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
-from sumo_reactive.driver.field.velocity import carried_out, cruise_speed
+from sumo_reactive.driver.field.velocity import carried_out, cruise_speed, rolling_speed
 from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
@@ -134,11 +134,8 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
             continue
         away = constraint.s - snapshot.parameters.stop_line_margin_m - front
         asked = stopping_speed(away, comfort, period)
-        is_near = away * 2.0 * snapshot.parameters.rolling_share * comfort < speed * speed
-        if constraint.time < math.inf and is_near and snapshot.parameters.has(Mechanism.TIMES):
-            left = constraint.time - snapshot.time
-            rolling = cruise_speed(speed, constraint.s - front, left, math.inf, limits.max_acceleration)
-            asked = min(asked, _gently(speed, rolling, period))
+        if constraint.time < math.inf and snapshot.parameters.has(Mechanism.TIMES):
+            asked = min(asked, _gently(speed, _rolling(constraint, snapshot, limits, comfort), period))
         if asked < wish.speed:
             braking = _braking(speed, 0.0, away, constraint.s - HARD_STOP_MARGIN_M - front, limits, comfort)
             wish = _lower(wish, asked, speed, braking, period, STOP_PLACE)
@@ -155,6 +152,18 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
             following = following_speed(gap, slot.user.speed, comfort, snapshot.parameters.slot_headway_s)
             wish = _lower(wish, following, speed, _Braking(comfort), period, "")
     return wish if wish.speed >= 0.0 else wish._replace(speed=0.0)
+
+
+def _rolling(constraint: TimeConstraint, snapshot: Snapshot, limits: VehicleLimits, comfort: float) -> float:
+    """Return the speed (m/s) to fall to so as to be at a place in its time (infinite: it need not fall). For one only
+    foreseen the ego slows down when it is near; `comfort`: its braking, m/s²."""
+    p, speed, left = snapshot.parameters, snapshot.ego.speed, constraint.time - snapshot.time
+    away = constraint.s - p.stop_line_margin_m - snapshot.front
+    if constraint.is_certain:
+        return rolling_speed(speed, away, left, ROLLING_APPROACH_S, comfort)
+    if away * 2.0 * p.rolling_share * comfort >= speed * speed:
+        return math.inf
+    return cruise_speed(speed, constraint.s - snapshot.front, left, math.inf, limits.max_acceleration)
 
 
 def _lower(wish: Wish, asked: float, speed: float, braking: _Braking, period: float, hazard: str) -> Wish:

@@ -31,6 +31,19 @@ def cruise_speed(speed: float, distance: float, time_left: float, top_speed: flo
     return top_speed if root <= 0.0 else min(top_speed, b - math.sqrt(root))
 
 
+def rolling_speed(speed: float, room: float, time_left: float, lag: float, braking: float) -> float:
+    """Speed c (m/s) to which a car falls that in `time_left` (s) is to be as near as it can still stop: `room` (m) less
+    c²/2b from where it is, b the `braking` (m/s²). Infinite when the time is over.
+
+    It falls to c as e^(−t/τ), τ the `lag` (s): in T it covers c·T + (v − c)·τ(1 − e^(−T/τ)) = room − c²/2b, solved for c.
+    """
+    if time_left <= 0.0:
+        return math.inf
+    late = lag * (1.0 - math.exp(-time_left / lag))
+    b = braking * (time_left - late)
+    return max(math.sqrt(max(b * b + 2.0 * braking * (room - speed * late), 0.0)) - b, 0.0)
+
+
 @kernel
 def carried_out(
     curvature: Floats, step: float, s: float, d: float, error: float, speed: float, deceleration: float, lateral: float

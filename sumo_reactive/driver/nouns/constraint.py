@@ -27,6 +27,11 @@ class TimeConstraint:
     cause: str = ""
     behind: str = ""
 
+    @property
+    def is_certain(self) -> bool:
+        """Whether `time` is no forecast of what others will do, but known."""
+        return self.time < math.inf and self.reason in (Reason.RED_LIGHT, Reason.YELLOW_LIGHT)
+
 
 def stop_at(s: float, reason: Reason, region: str = "", cause: str = "", until: float = math.inf) -> TimeConstraint:
     """Return the constraint to stop with the front bumper at `s` (m of C) at the latest, `until` a time (s) is foreseen."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, RoadUser, Switches
 from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
@@ -92,7 +92,8 @@ class Snapshot(NamedTuple):
     O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: none while the pilot's decision rests on
     none. `lights`: letters by light id. `passages`: the plan's passages in sight, by index. `off_tracking`: the next place,
     on a road, where the body will cover the lane beside; `neighbours` are then those on that lane. `room`: how far the ego
-    may lean to the left and right of C inside its lane, m. `parameters`: the driver's.
+    may lean to the left and right of C inside its lane, m. `parameters`: the driver's. `switches`: when lights will
+    switch, if the driver knows.
     """
 
     time: float
@@ -111,3 +112,4 @@ class Snapshot(NamedTuple):
     off_tracking: OffTracking | None = None
     room: tuple[float, float] = (0.0, 0.0)
     parameters: Parameters = USUAL
+    switches: Switches = NO_SWITCHES

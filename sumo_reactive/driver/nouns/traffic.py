@@ -48,13 +48,20 @@ class RoadUser(NamedTuple):
     is_halted: bool = False
 
 
+Switches = Mapping[str, tuple[tuple[float, str], ...]]
+"""By light id: the times (s) at which a light will switch, in order, and its letters from then on."""
+
+NO_SWITCHES: Switches = {}
+"""Nothing is known of the lights' future."""
+
+
 @dataclass(frozen=True, slots=True)
 class Traffic:
     """All that is seen at `time` (s): the others, and the letters of each traffic light by its id.
 
     `sight` (m): how far ahead the oncoming lane was looked at. `static` (k, 2): points, m, of what stands near for good,
     roads' borders apart, which the map tells. `beside`: pedestrians who are about to step on a crossing, their position
-    negative or beyond its length; they are not on the road yet.
+    negative or beyond its length; they are not on the road yet. `switches`: what is known of the lights' future.
     """
 
     time: float
@@ -63,3 +70,4 @@ class Traffic:
     sight: float = 0.0
     static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)
     beside: tuple[RoadUser, ...] = ()
+    switches: Switches = field(default_factory=lambda: NO_SWITCHES)

@@ -82,7 +82,7 @@ def perceive(
     room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
     return Snapshot(
         traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, off_tracking, room,
-        limits.parameters,
+        limits.parameters, traffic.switches,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sumo_reactive.driver.field.velocity import carried_out, cruise_speed, velocity_potential
+from sumo_reactive.driver.field.velocity import carried_out, cruise_speed, rolling_speed, velocity_potential
 
 
 def covered(speed: float, cruise: float, acceleration: float, time: float) -> float:
@@ -32,6 +32,19 @@ def test_the_cruising_speed_covers_the_distance_in_the_time_that_is_left(speed, 
 @given(st.floats(0.0, 20.0), st.floats(-5.0, 500.0), st.floats(-5.0, 60.0), st.floats(0.0, 30.0))
 def test_the_cruising_speed_never_exceeds_the_top_speed(speed, distance, time, top):
     assert cruise_speed(speed, distance, time, top, 2.0) <= top
+
+
+@given(st.floats(0.0, 20.0), st.floats(0.0, 300.0), st.floats(0.5, 60.0), st.floats(0.5, 5.0), st.floats(1.0, 3.0))
+def test_a_rolling_car_is_in_time_as_near_as_it_can_still_stop(speed, room, time, lag, braking):
+    rolling = rolling_speed(speed, room, time, lag, braking)
+    assume(rolling > 0.0)
+    way = rolling * time + (speed - rolling) * lag * (1.0 - np.exp(-time / lag))
+    assert way + rolling**2 / (2.0 * braking) == pytest.approx(room, rel=1e-6, abs=1e-6)
+
+
+def test_a_car_too_fast_to_be_in_time_is_asked_to_stop_and_one_whose_time_is_over_for_nothing():
+    assert rolling_speed(20.0, 5.0, 20.0, 3.0, 2.5) == 0.0
+    assert rolling_speed(10.0, 50.0, 0.0, 3.0, 2.5) == np.inf
 
 
 def test_without_enough_time_the_car_goes_as_fast_as_it_may():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 
 from sumo_reactive.driver.nouns.snapshot import Snapshot
@@ -29,6 +30,15 @@ def letter_of(connection: Connection, snapshot: Snapshot) -> str:
         return ""
     letters = snapshot.lights.get(link.light_id, "")
     return letters[link.index] if link.index < len(letters) else ""
+
+
+def green_at(connection: Connection, snapshot: Snapshot) -> float:
+    """Return when the light turns green for a connection, s of simulation time, if the driver knows; else infinite."""
+    link = connection.light
+    if link is None:
+        return math.inf
+    switches = snapshot.switches.get(link.light_id, ())
+    return next((time for time, letters in switches if letters[link.index : link.index + 1] in ("G", "g")), math.inf)
 
 
 def has_passed(line: float, front: float) -> bool:

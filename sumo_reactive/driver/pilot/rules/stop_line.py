@@ -10,7 +10,7 @@ from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
-from sumo_reactive.driver.pilot.rules.lights import Signal, has_passed, letter_of, signal
+from sumo_reactive.driver.pilot.rules.lights import Signal, green_at, has_passed, letter_of, signal
 from sumo_reactive.driver.pilot.rules.scheduled_stop import STOP_REACHED_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
@@ -40,7 +40,7 @@ def stop_at_line(
     if asked is Signal.GO_ON_YELLOW and _comes_too_late(way, snapshot, limits, red):
         asked = Signal.STOP_ON_YELLOW
     if asked in _REASONS:
-        return stop_at(place, _REASONS[asked], cause=light), None, memory
+        return stop_at(place, _REASONS[asked], cause=light, until=green_at(connection, snapshot)), None, memory
     if asked is Signal.GO_ON_YELLOW:
         needed = snapshot.ego.speed**2 / (2.0 * max(to_line, 0.1))
         figures = (("to_line_m", to_line), ("braking_needed_m_s2", needed))
