@@ -16,6 +16,12 @@ def test_a_leader_that_stops_and_goes_is_followed(tmp_path):
     assert run.complaints() == []
 
 
+def test_who_has_left_the_last_road_but_for_its_rear_is_still_followed(tmp_path):
+    leaves = car("x", "ab bc", 0, stop("bc_0", 2.5, duration=25))
+    run = driven(tmp_path, road(200, 200), leaves, car("ego", "ab", 2), car("behind", "ab bc", 5))
+    assert run.complaints() == []
+
+
 @pytest.mark.parametrize("headway", [1.2, 1.6, 2.5])
 def test_a_leader_that_brakes_as_in_an_emergency_is_not_touched(tmp_path, headway):
     hard = sort("hard", decel=9, emergencyDecel=9, sigma=0)

@@ -152,12 +152,21 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
             lane = graph.lanes[segment.lane_id]
             lanes.update((one.id, None) for one in graph.edge_lanes.get(lane.edge_id, (lane,)))
             lanes.update((one.id, None) for one in graph.oncoming(lane.edge_id))
+    if plan.segments[-1].start <= reach:
+        lanes.update(dict.fromkeys(_lanes_beyond(graph, graph.lanes[plan.segments[-1].lane_id].edge_id)))
     for i in in_sight(plan, front, speed):
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
     change = next_change(plan, front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
         lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
     return tuple(lanes)
+
+
+@kept(1024)
+def _lanes_beyond(graph: RoadGraph, edge_id: str) -> tuple[str, ...]:
+    """Return the lanes that lead on from an edge: who has left the last one of the way may still reach back over it."""
+    ways = (way for lane in graph.edge_lanes.get(edge_id, ()) for way in graph.ways_from(lane.id) if not way.is_crossing)
+    return tuple(dict.fromkeys(lane for way in ways for lane in (*way.parts, way.to_lane) if lane in graph.lanes))
 
 
 _Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
