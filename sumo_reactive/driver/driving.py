@@ -93,10 +93,27 @@ class Driving:
         """
         here, asked = replace(self, drive=step.drive), step.completed.request
         if asked.what is Replanning.ROUTE:
+            later = self._later(time)
+            if later is not None:
+                return later
             here, way = here._looked_for_rerouting()
             if way is not None and here._is_worth(way, time):
                 return here._rerouted(way, time)
         return here._replanned(step, time) if here._needs_curve(step) else here
+
+    def _later(self, time: float) -> Driving | None:
+        """Return the driving that changes lanes on a later edge, if the car waits for it here and its lane leads on."""
+        here, plan_now = segment_at(self.drive.plan, self.front), self.drive.plan
+        lane = self.graph.lanes[here.lane_id]
+        changes = any(one.from_lane == here.lane_id and one.start > self.drive.s for one in plan_now.lane_changes)
+        if not changes or lane.is_internal or plan_now.stays_on == here.route_index:
+            return None
+        start = replace(self._start(time), stays_on=here.route_index)
+        number = self.choice.stage_at(here.route_index, start.lane_position / lane.scale)
+        if self.choice.onward[number][lane.index].cost == math.inf:
+            return None
+        memory = self.drive.memory._replace(waiting_since=None, progress_time=time)
+        return replace(self, drive=self.drive._replace(memory=memory))._on(self._plan(start), time)
 
     def _needs_curve(self, step: Step) -> bool:
         plan_now = self.drive.plan
@@ -111,6 +128,8 @@ class Driving:
         if aside is not None:
             aside = replace(aside, back=aside.back - s, until=aside.until - s)
         start = self._start_onto(asked, time) if asked.onto else self._start(time)
+        if asked.stays:
+            start = replace(start, stays_on=start.route_index)
         if asked.change_lane:
             with suppress(PlanError):  # carried onto another lane, from which there is no such change
                 return self._on(self._plan(start, asked.change_lane, aside), time)
@@ -136,8 +155,9 @@ class Driving:
         here, ego = segment_at(self.drive.plan, self.front), self.drive.ego
         position = here.lane_offset + (self.front - here.start) / here.stretch
         return PlanStart(
-            ego.pose, ego.speed, ego.steering_angle, time, here.lane_id, position, here.route_index, self.speed_factor
-        )
+            ego.pose, ego.speed, ego.steering_angle, time, here.lane_id, position, here.route_index, self.speed_factor,
+            self.drive.plan.stays_on,
+        )  # fmt: skip
 
     def _start_onto(self, asked: Request, time: float) -> PlanStart:
         """Return the start on the lane that the car has turned into, or on one behind it that its front has reached."""
@@ -197,7 +217,7 @@ class Driving:
 
     def _rerouted(self, way: Rerouting, time: float) -> Driving:
         """Return the driving on the other way, in the world around it."""
-        start = replace(self._start(time), route_index=0)
+        start = replace(self._start(time), route_index=0, stays_on=-1)
         memory = self.drive.memory._replace(waiting_since=None, escapes=0, progress_time=time)
         other = replace(
             self, controller=replace(self.controller, graph=way.choice.graph), route=way.route, choice=way.choice,

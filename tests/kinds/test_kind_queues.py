@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import car, cross, driven, program, road, sort, stream
+from kinds import Net, car, cross, driven, edge, link, node, program, road, sort, standing, stream
 
 ONCOMING = "ec cw"
 
@@ -73,3 +73,20 @@ def test_a_queue_that_does_not_move_on_the_open_road_is_left(tmp_path, count, de
     net = road(500, numLanes=2)
     run = driven(tmp_path, net, car("ego", "ab", depart, departLane=0), head, queue, extra=sorts, until=200)
     assert run.complaints(slower=1.2) == []
+
+
+@pytest.mark.parametrize("length", [45, 120])
+@pytest.mark.parametrize("lane", [0, 1])
+def test_a_queue_behind_a_breakdown_is_passed_and_the_lane_of_the_turn_is_taken_behind_it(tmp_path, length, lane):
+    """The turn at c is made from the right lane; on the road before, that lane stands."""
+    nodes = node("a", 0, 0) + node("b", 200, 0) + node("c", 205 + length, 0)
+    nodes += node("e", 400, 0) + node("d", 205 + length, -150)
+    rules = link("bc ce", "10") + link("bc cd", "00")
+    net = Net(nodes, edge("ab", numLanes=2) + edge("bc", numLanes=2) + edge("ce") + edge("cd"), rules)
+    broken = standing("x", "ab bc cd", "ab_0", 190, 150)
+    still = {"departLane": 0, "departSpeed": 0, "type": "stuck"}
+    queue = "".join(car(f"q{k}", "ab bc cd", departPos=182 - 8 * k, **still) for k in range(3))
+    stuck = sort("stuck", lcStrategic=-1, lcSpeedGain=0, lcCooperative=-1, lcKeepRight=0)
+    run = driven(tmp_path, net, stuck, broken, queue, car("ego", "ab bc cd", 2, departLane=lane), until=200)
+    assert run.complaints() == []
+    assert run.ego.duration < 60.0

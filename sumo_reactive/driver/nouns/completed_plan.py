@@ -63,13 +63,14 @@ class Replanning(Enum):
 class Request:
     """What the pilot asks of the planner, once. A new curve begins a lane change (`change_lane` +1 left, −1 right, 0 none)
     or leads `aside`, its places in m of the present C, or begins on lane `onto` that the car has turned into, its edge at
-    `route_index`."""
+    `route_index`. On a lane that it `stays` on, the car does not come back on this edge."""
 
     what: Replanning = Replanning.NOTHING
     change_lane: int = 0
     aside: Aside | None = None
     onto: str = ""
     route_index: int = 0
+    stays: bool = False
 
 
 @dataclass(frozen=True, slots=True)

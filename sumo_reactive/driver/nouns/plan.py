@@ -180,7 +180,8 @@ class NominalPlan:
     the front axle passes each sample on schedule, s. Up to `joins` (m) C still comes from where the car was when it was
     planned. `aside`: C leaves the lane's centre to pass somebody. `missed`: C begins a new route, since the turn to this
     edge was missed (empty: it does not). `parallel_lanes`: other lanes that do as well, by route index.
-    `turnarounds`: where the car turns in several moves.
+    `turnarounds`: where the car turns in several moves. `stays_on`: the route index of the edge that is left by the lane
+    that the car came to (−1: by whichever is best).
     """
 
     curve: Curve
@@ -197,6 +198,7 @@ class NominalPlan:
     missed: str = ""
     parallel_lanes: Mapping[int, tuple[ParallelLane, ...]] = field(default_factory=dict)
     turnarounds: tuple[Turnaround, ...] = ()
+    stays_on: int = -1
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""

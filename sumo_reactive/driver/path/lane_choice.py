@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -207,11 +206,11 @@ def _stages(graph: RoadGraph, route: Route) -> Iterator[Stage]:
 def parallel_lanes(choice: LaneChoice, segments: tuple[LaneSegment, ...]) -> Mapping[int, tuple[ParallelLane, ...]]:
     """Return, by route index, the lanes beside C by which the route can be driven with no change back on that edge.
 
-    Where C itself changes lanes on an edge, there are none: that change comes first.
+    Where C itself changes lanes on an edge, they are those beside the lane that it comes to: that change comes first.
     """
-    lanes = [segment for segment in segments if not choice.graph.lanes[segment.lane_id].is_internal]
-    times = Counter(segment.route_index for segment in lanes)
-    found = {one.route_index: tuple(_beside(choice, one)) for one in lanes if times[one.route_index] == 1}
+    lanes = (segment for segment in segments if not choice.graph.lanes[segment.lane_id].is_internal)
+    last = {segment.route_index: segment for segment in lanes}
+    found = {index: tuple(_beside(choice, segment)) for index, segment in last.items()}
     return {index: ways for index, ways in found.items() if ways}
 
 
@@ -242,20 +241,23 @@ class LaneStep:
     opens: int = 0
 
 
-def lane_path(choice: LaneChoice, number: int, lane_index: int, position: float) -> Iterator[LaneStep]:
-    """Yield the steps from `position` (m) on a lane of stage `number` to the route's end; PlanError: no way."""
+def lane_path(
+    choice: LaneChoice, number: int, lane_index: int, position: float, *, stays: bool = False
+) -> Iterator[LaneStep]:
+    """Yield the steps from `position` (m) on a lane of stage `number`, which the first step keeps to if it `stays`, to the
+    route's end; PlanError: no way."""
     steps: list[LaneStep] = []
     k = lane_index
     for n in range(number, len(choice.stages)):
         stage = choice.stages[n]
         start = position if n == number else stage.start
-        leave = _exit_lane(choice, n, k, start)
+        leave = k if stays and n == number else _exit_lane(choice, n, k, start)
         step = 1 if leave > k else -1
         lanes = tuple(stage.lanes[j] for j in range(k, leave + step, step))
         following = choice.stages[n + 1] if n + 1 < len(choice.stages) else None
         same_edge = following is not None and following.route_index == stage.route_index
         connection = None if following is None or same_edge else choice.connections(n, leave)[0]
-        opens = _parallel_steps(choice, n, steps, lanes) if len(lanes) > 1 else 0
+        opens = _parallel_steps(choice, n, steps[1:] if stays else steps, lanes) if len(lanes) > 1 else 0
         steps.append(LaneStep(stage, lanes, start, connection, opens))
         yield steps[-1]
         k = leave if connection is None else choice.graph.lanes[connection.to_lane].index

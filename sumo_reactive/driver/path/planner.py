@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +12,7 @@ from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
-from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path, may_change, parallel_lanes
+from sumo_reactive.driver.path.lane_choice import LaneChoice, LaneStep, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.driver.path.trajectory import PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
@@ -32,7 +34,8 @@ class PlanStart:
     """Where a plan begins: rear-axle `pose`, `speed` (m/s), `steering_angle` (rad), `time` (s), place on the network.
 
     `lane_position` is the front bumper's, in spine metres of `lane_id` (normal or internal). `route_index` is the edge
-    that the car is on, or has just left when it is inside a junction. `speed_factor` scales lane limits.
+    that the car is on, or has just left when it is inside a junction. `speed_factor` scales lane limits. The edge of route
+    index `stays_on` is left by the lane that the plan begins on, if it leads on.
     """
 
     pose: Pose
@@ -43,6 +46,7 @@ class PlanStart:
     lane_position: float
     route_index: int
     speed_factor: float = 1.0
+    stays_on: int = -1
 
     def curve_start(self, wheelbase: float) -> CurveStart:
         """Return where the front axle is and how it moves (F&L 1991, §3.1)."""
@@ -118,20 +122,21 @@ def _reference(
         index = _index_behind(route, following.edge_id, start.route_index)
         at = _axle_on(connection.path, dict(choice.graph.lanes_behind(connection))[lane.id], limits, start)
         reference.pass_junction(connection, start.route_index, at, at)
-        _drive_on(reference, choice, choice.stage_at(index), following, 0.0, 0.0)
+        _drive_on(reference, choice, lane_path(choice, choice.stage_at(index), following.index, 0.0), 0.0)
         return reference, None
     if route.edges[start.route_index] != lane.edge_id:
         raise PlanError(f"start lane '{lane.id}' is not on edge {start.route_index} of the route")
     driven = _neighbour(choice, lane, change_now) if change_now else lane
     at = _axle_on(driven.spine, 0.0, limits, start)
     number = choice.stage_at(start.route_index, start.lane_position / lane.scale)
-    _drive_on(reference, choice, number, driven, at, at / driven.scale)
+    stays = start.stays_on == start.route_index and choice.onward[number][driven.index].cost < math.inf
+    _drive_on(reference, choice, lane_path(choice, number, driven.index, at / driven.scale, stays=stays), at)
     return reference, LeftLane(lane, change_now, _axle_on(lane.spine, 0.0, limits, start)) if change_now else None
 
 
-def _drive_on(reference: Reference, choice: LaneChoice, number: int, lane: Lane, at: float, position: float) -> None:
-    """Append the way from spine arc length `at` of `lane` in stage `number` to the goal or the horizon."""
-    for step in lane_path(choice, number, lane.index, position):
+def _drive_on(reference: Reference, choice: LaneChoice, steps: Iterable[LaneStep], at: float) -> None:
+    """Append the way of `steps`, the first from spine arc length `at` (m) of its lane, to the goal or the horizon."""
+    for step in steps:
         joins, at = reference.drive(step, at), 0.0
         if reference.length > PLAN_HORIZON_M:
             return
@@ -174,6 +179,7 @@ def _on_curve(
         times=times,
         joins=course.blend_end,
         turnarounds=turnarounds,
+        stays_on=start.stays_on,
     )
 
 

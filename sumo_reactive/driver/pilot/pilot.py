@@ -216,7 +216,8 @@ def _request(situation: Situation, behaviour: Behaviour) -> Request:
     """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
     changing = situation.changing
     if changing.side or changing.calls_off:
-        return Request(Replanning.CURVE, changing.side)
+        left = changing.why is not None and changing.why.reason is Reason.QUEUE_CHANGE
+        return Request(Replanning.CURVE, changing.side, stays=left)
     return Request(Replanning.ROUTE) if behaviour is Behaviour.TAKING_ANOTHER_WAY else Request()
 
 

@@ -53,4 +53,4 @@ def test_before_a_stop_on_the_lane_there_is_none() -> None:
 
 def test_where_c_changes_lanes_itself_that_change_comes_first() -> None:
     made = world(("a_0", "b_0"), ("a_1", "b_1"), lanes=3)
-    assert ways(made, "a_2", ABC) == ()
+    assert {way.from_lane for way in ways(made, "a_2", ABC)} == {"a_1"}

@@ -12,7 +12,7 @@ from sumo_reactive.driver.nouns.plan import (
     NominalPlan,
 )
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
-from sumo_reactive.driver.nouns.state import CREEPING_SPEED
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
@@ -123,9 +123,12 @@ def _before_off_tracking(
 
 
 def _slot(snapshot: Snapshot) -> str:
-    """Return the vehicle on the other lane that the ego will follow: the nearest whose front is ahead of its own."""
-    ahead = [n for n in snapshot.neighbours if n.ahead >= 0.0]
-    return min(ahead, key=lambda n: n.ahead).user.id if ahead else ""
+    """Return the vehicle on the other lane that the ego will follow: the nearest whose front is ahead of its own.
+
+    One that stands is not waited for (empty): the ego drives on to the last place for its change.
+    """
+    ahead = min((n for n in snapshot.neighbours if n.ahead >= 0.0), key=lambda n: n.ahead, default=None)
+    return "" if ahead is None or ahead.user.speed < STANDING_SPEED else ahead.user.id
 
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:

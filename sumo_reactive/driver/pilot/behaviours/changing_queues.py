@@ -27,6 +27,9 @@ TURNERS_FEARED = 2
 HEAD_STANDS_S = 2.0
 """The head of a queue that stands for less while it may go is about to start; for longer, it waits for something else."""
 
+HALTS_S = 20.0
+"""Who has halted is expected to stay for no less: a bus at its stop does."""
+
 SWING_OUT_M = 6.0
 """Room behind somebody who stands that a car needs to leave the lane past him; `halted_room_m` is what it keeps if it
 can."""
@@ -97,9 +100,17 @@ def _cost(queue: Queue, go: float, parameters: Parameters) -> float:
 
 
 def _stuck_for(queue: Queue, go: float) -> float:
-    """Return how long (s) the head of what does not move in the queue has stood though it may go; 0: it has not."""
+    """Return how long (s) the head of what does not move in the queue has stood though it may go; 0: it has not.
+
+    Who has halted does not wait; for how long he has held up the others, those behind him tell.
+    """
     head = _head(queue)
-    waited = min(head.user.waiting_time, go) if head is not None else 0.0
+    if head is None:
+        return 0.0
+    waited = head.user.waiting_time
+    if head.user.is_halted:
+        waited = max(HALTS_S, *(one.user.waiting_time for one in queue.users if one.ahead < head.ahead), 0.0)
+    waited = min(waited, go)
     return waited if waited > HEAD_STANDS_S else 0.0
 
 
@@ -107,7 +118,8 @@ def _head(queue: Queue) -> Queued | None:
     """Return the first that stands, unless the queue before him is driving off already."""
     before, drives_off = math.inf, False
     for one in queue.users:
-        drives_off = one.user.waiting_time <= 0.0 or (drives_off and before - one.ahead < _NEAR_HEAD_M)
+        stands = one.user.is_halted or one.user.waiting_time > 0.0
+        drives_off = not stands or (drives_off and not one.user.is_halted and before - one.ahead < _NEAR_HEAD_M)
         if not drives_off:
             return one
         before = one.ahead - one.user.body.length
