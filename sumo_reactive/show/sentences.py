@@ -120,6 +120,10 @@ REASONS: dict[Reason, Wording] = {
         "calls off the change to lane {region}, since {cause} has closed the gap there",
         "changes to lane {region} although {cause} has closed the gap there",
     ),
+    Reason.MERGE_AHEAD: Wording(
+        "stays on its lane, which ends in a merge, since {cause} leaves no gap on lane {region}",
+        "changes to lane {region}, since its own ends in a merge",
+    ),
     Reason.QUEUE_CHANGE: Wording(
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",

@@ -35,6 +35,16 @@ def test_an_on_ramp_joins_a_fast_stream(tmp_path, headway):
     assert run.complaints() == []
 
 
+@pytest.mark.parametrize("headway", [2.2, 3.0])
+def test_a_ramp_lane_that_ends_in_a_merge_is_left_as_soon_as_there_is_a_gap(tmp_path, headway):
+    nodes = node("a", 0, 0) + node("b", 300, 0) + node("d", 550, 0) + node("e", 750, 0) + node("r", 100, -60)
+    edges = edge("ab", speed=25) + edge("rb", speed=20) + edge("bd", numLanes=2, speed=25) + edge("de", speed=25)
+    rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "00") + link("bd de", "10")
+    fast = stream("f", "ab bd de", [headway * i for i in range(24)], departLane=0)
+    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", 6, departSpeed=15), fast)
+    assert run.complaints(slower=1.2) == []
+
+
 @pytest.mark.parametrize("late", [-1.0, 0.0, 1.0])
 @pytest.mark.parametrize("length", [80, 150])
 def test_two_cars_exchange_their_lanes(tmp_path, late, length):

@@ -53,6 +53,7 @@ class Reason(Enum):
     SCHEDULED_STOP = "the route has a stop here"
     NO_GAP = "no gap on the lane that the route needs"
     GAP_CLOSED = "the gap on the other lane has closed"
+    MERGE_AHEAD = "the lane ends in a merge, and there is a gap on the lane beside"
     QUEUE_CHANGE = "the queue ahead is held up, and a lane beside leads on as well"
     BLOCKED = "the way is blocked"
     SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"

@@ -93,13 +93,15 @@ class ParallelLane:
     """From `from_lane` of C, where C changes no lane, the route can as well be driven by `to_lane` beside it, on `side` (+1
     left, −1 right), with no change back on this road.
 
-    `cost`: that of the change, and of the later ones that it adds or saves, in lane changes.
+    `cost`: that of the change, and of the later ones that it adds or saves, in lane changes. `merges`: at the end of the
+    road `from_lane` has to yield to `to_lane`, and both lead into one lane.
     """
 
     from_lane: str
     to_lane: str
     side: int
     cost: float
+    merges: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +201,13 @@ class NominalPlan:
     parallel_lanes: Mapping[int, tuple[ParallelLane, ...]] = field(default_factory=dict)
     turnarounds: tuple[Turnaround, ...] = ()
     stays_on: int = -1
+
+    def merging(self, front: float) -> ParallelLane | None:
+        """Return the lane that the one at arc length `front` (m) has to yield to in the merge that it ends in; None: it ends
+        in none, or C leaves it on this road."""
+        here = next((segment for segment in self.segments if front < segment.end), None)
+        ways = () if here is None else self.parallel_lanes.get(here.route_index, ())
+        return next((way for way in ways if here is not None and way.merges and way.from_lane == here.lane_id), None)
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""

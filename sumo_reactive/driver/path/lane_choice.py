@@ -223,7 +223,17 @@ def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[ParallelLane]:
             continue
         if may_change(own, lanes[index], choice.vehicle_class, left_hand):
             side = -1 if (index > own.index) == left_hand else 1
-            yield ParallelLane(own.id, lanes[index].id, side, 1.0 + onward[index].cost - onward[own.index].cost)
+            cost = 1.0 + onward[index].cost - onward[own.index].cost
+            yield ParallelLane(own.id, lanes[index].id, side, cost, _merges(choice, number, own.index, index))
+
+
+def _merges(choice: LaneChoice, number: int, own: int, beside: int) -> bool:
+    """Whether lane `own` of a stage ends in a merge with the lane `beside`, to which it yields: an on-ramp's lane."""
+    if number + 1 == len(choice.stages) or choice.stages[number + 1].route_index == choice.stages[number].route_index:
+        return False
+    a, b = choice.connections(number, own)[0], choice.connections(number, beside)[0]
+    junction = choice.graph.junctions.get(a.junction_id)
+    return junction is not None and a.to_lane == b.to_lane and junction.right_of_way.must_yield(a.index, b.index)
 
 
 @dataclass(frozen=True, eq=False)

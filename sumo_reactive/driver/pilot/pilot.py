@@ -19,7 +19,7 @@ from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
-from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap
+from sumo_reactive.driver.pilot.behaviours.changing_lanes import merge_early, seek_gap
 from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
 from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
 from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
@@ -101,6 +101,7 @@ def decide(
         completed = replace(completed, move=turning.move)
     changing = situation.changing
     watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or outlook.comes_over)
+    watchful |= view.plan.merging(snapshot.front) is not None
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(view, completed, memory, asked, is_watchful=watchful, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
@@ -156,6 +157,8 @@ def _changing(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging
     """Return what the lane beside asks for: the one that the route needs, else one whose queue is over sooner."""
     snapshot, plan, limits = view.snapshot, view.plan, view.limits
     changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
+    if changing == LaneChanging():
+        changing = merge_early(snapshot, plan, view.ways, limits)
     if changing == LaneChanging():
         changing = leave_queue(snapshot, plan, outlook, view.ways, memory, limits)
     return changing

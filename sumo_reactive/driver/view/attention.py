@@ -116,11 +116,12 @@ def lane_sought(graph: RoadGraph, plan: NominalPlan, front: float) -> str:
     """Return the lane that the ego would enter if it made the next change here, if it may be made already; empty: none.
 
     Where C makes the change on a later road, that is the lane beside its own, which leads to the same place; inside a
-    junction, that on the road behind.
+    junction, that on the road behind. Without a change it is the lane that the own one merges into.
     """
     change = next_change(plan, front) if plan.lane_changes else None
     if change is None or change.opens > front:
-        return ""
+        merge = plan.merging(front)
+        return "" if merge is None else merge.to_lane
     ahead = (segment for segment in plan.segments if segment.end > front)
     here = next((segment for segment in ahead if not graph.lanes[segment.lane_id].is_internal), None)
     if here is None or graph.lanes[here.lane_id].edge_id == graph.lanes[change.to_lane].edge_id:
@@ -159,6 +160,8 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
     change = next_change(plan, front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
         lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
+    elif (merge := plan.merging(front)) is not None:
+        lanes.update(dict.fromkeys(lane_axis(graph, merge.to_lane)))
     return tuple(lanes)
 
 

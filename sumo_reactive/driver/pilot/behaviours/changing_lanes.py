@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import (
@@ -14,6 +16,7 @@ from sumo_reactive.driver.nouns.plan import (
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
+from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -72,14 +75,41 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     if change is None:
         aside = snapshot.off_tracking
         return LaneChanging() if aside is None else _before_off_tracking(snapshot, aside, plan, limits, waited)
-    left, p = change.start - snapshot.front, limits.parameters
-    pressing = max(p.urgent_m, p.urgent_s * snapshot.ego.speed)
-    urgency = min(1.0, max(0.0, 1.0 - left / pressing))
-    blocker = _blocker(snapshot, limits, urgency)
+    blocker = _blocker(snapshot, limits, _urgency(snapshot, change.start - snapshot.front))
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
     stop = stop_at(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
     return LaneChanging(stop=stop, slot=_slot(snapshot))
+
+
+def _urgency(snapshot: Snapshot, left: float) -> float:
+    """Return how a gap presses (0..1) with `left` m to the place where the change has to begin."""
+    p = snapshot.parameters
+    return min(1.0, max(0.0, 1.0 - left / max(p.urgent_m, p.urgent_s * snapshot.ego.speed)))
+
+
+def merge_early(
+    snapshot: Snapshot, plan: NominalPlan, ways: tuple[Crossing, ...], limits: VehicleLimits
+) -> LaneChanging:
+    """Leave a lane that ends in a merge, as an on-ramp's does, for the one that it yields to, as soon as there is a gap;
+    fall in behind who is ahead there meanwhile.
+
+    Without a gap the ego goes on to the end, where the merge has its rule; a gap presses where it must brake for that.
+    """
+    merge = plan.merging(snapshot.front)
+    if merge is None or snapshot.s < plan.joins or plan.aside is not None:
+        return LaneChanging()
+    speed = snapshot.ego.speed
+    line = next((way.line for way in ways if way.passage.start > snapshot.front), math.inf)
+    if line - snapshot.front < max(MIN_LANE_CHANGE_LENGTH_M, LANE_CHANGE_DURATION_S * speed):
+        return LaneChanging()
+    left = line - snapshot.front - speed * speed / (2.0 * limits.comfort_deceleration)
+    if _blocker(snapshot, limits, _urgency(snapshot, left)):
+        return LaneChanging(slot=_slot(snapshot))
+    beside = min(snapshot.neighbours, key=lambda one: abs(one.ahead), default=None)
+    cause = beside.user.id if beside else ""
+    why = Decision(Behaviour.CHANGING_LANES, Reason.MERGE_AHEAD, merge.to_lane, cause, passes=True)
+    return LaneChanging(merge.side, why=why)
 
 
 def _called_off(snapshot: Snapshot, plan: NominalPlan, begun: LaneChange, limits: VehicleLimits) -> LaneChanging:
@@ -170,7 +200,8 @@ def leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgenc
 
 def is_sought(situation: Situation) -> bool:
     """The route needs a lane beside soon, or the body will cut into it, or such a change has just begun."""
-    return seeks(situation.snapshot, situation.plan)
+    why = situation.changing.why
+    return seeks(situation.snapshot, situation.plan) or (why is not None and why.reason is Reason.MERGE_AHEAD)
 
 
 def is_done(situation: Situation) -> bool:

@@ -116,7 +116,9 @@ def _passage(
     met = None
     if waits:
         place, first = min(waits, key=lambda wait: wait[0])
-        until = snapshot.time + region.opens_at((judgement for judgement, _ in found), place, way, view)
+        until = math.inf  # beside the lane that it merges into, the ego keeps up its speed for a gap there
+        if view.plan.merging(snapshot.front) is None:
+            until = snapshot.time + region.opens_at((judgement for judgement, _ in found), place, way, view)
         stops.append((stop_at(place, first.reason, first.region, first.foe.user.id, until), first.decision))
         met = region.encounter_of(min((one for _, one in waits), key=lambda one: one.own.arrival), way, view)
     blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits) if Rule.POST_CONFLICT in asked else ""
