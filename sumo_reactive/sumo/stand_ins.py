@@ -153,7 +153,8 @@ def ahead_of_mapping(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> 
 def _swung_out(by: Occupant, own: Lane, edges: tuple[str, ...]) -> OccupiedLane:
     """Return where to show an ego whose front has swung out of its `own` lane.
 
-    On its own lane, while SUMO maps it to another of the edge; where it maps it to none, on the one under its middle.
+    On its own lane, while SUMO maps it to another of the edge; where it maps it to none, on the one under its middle, with
+    its rear where the ego's is: who follows would else see it jump towards him.
     """
     graph, width = by.graph, by.limits.width
     approach = graph.connection_of[own.id].from_lane if own.is_internal else own.id
@@ -162,8 +163,16 @@ def _swung_out(by: Occupant, own: Lane, edges: tuple[str, ...]) -> OccupiedLane:
         middle = by.behind_front(0.5 * by.limits.length)
         under = min(lanes, key=lambda lane: abs(lane.spine.project(*middle)[1]))
         if under.reaches(*middle, width):
-            return OccupiedLane(under, *middle, by.ego.speed, edges)
+            rear = min(_along(under, *place) for place in (by.front, by.behind_front(by.limits.length)))
+            return OccupiedLane(under, *under.spine.at(rear + by.limits.length), by.ego.speed, edges)
     return OccupiedLane(own, *by.front, by.ego.speed, edges)
+
+
+def _along(lane: Lane, x: float, y: float) -> float:
+    """Return the spine arc length of `lane` beside (x, y), m; negative before its start."""
+    s, _ = lane.spine.project(x, y)
+    (x0, y0), heading = lane.spine.at(0.0), lane.spine.heading_at(0.0)
+    return s if s > 0.0 else min((x - x0) * math.cos(heading) + (y - y0) * math.sin(heading), 0.0)
 
 
 def _beside(graph: RoadGraph, lane_id: str, lateral: float) -> Lane | None:

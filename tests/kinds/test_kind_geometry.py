@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 
 import pytest
 from kinds import Net, car, cross, driven, edge, node, road, sort, stream
@@ -123,3 +125,27 @@ def test_who_waits_at_a_line_that_reaches_into_the_road_is_passed(tmp_path, from
     others = stream("m", "ac cb", [2.0 * k for k in range(7)])
     run = driven(tmp_path, Net(nodes, ways), car("ego", "ac cb", 14), car("x", "sc cb", 3), others)
     assert run.complaints(slower=1.2) == []
+
+
+class _Folded(Net):
+    """A network whose edge "ab" is drawn forth, back and forth again between 160 and 100 m, which netconvert would mend."""
+
+    def built(self, folder: Path) -> Path:
+        path = super().built(folder)
+        lane = re.compile(r'(id="ab_.*?length=").*?(" shape="\S+?),(\S+) ')
+        path.write_text(lane.sub(_folded, path.read_text()))
+        return path
+
+
+def _folded(lane: re.Match[str]) -> str:
+    start, shape, y = lane.groups()
+    return f"{start}420{shape},{y} 160,{float(y) + 0.3} 100,{float(y) + 0.6} 110,{y} "
+
+
+@pytest.mark.parametrize("lanes", [1, 2])
+def test_a_lane_drawn_forth_and_back_over_itself_is_driven_straight_through(tmp_path, lanes):
+    edges = edge("ab", numLanes=lanes) + edge("bc", numLanes=lanes)
+    net = _Folded(node("a", 0, 0) + node("b", 300, 0) + node("c", 400, 0), edges)
+    run = driven(tmp_path, net, car("ego", "ab bc", 2), car("y", "ab bc", 5))
+    assert run.complaints(slower=1.0) == []
+    assert all(moment.lane for moment in run.ego.moments)

@@ -68,19 +68,27 @@ def shown(seen):
 @pytest.mark.parametrize(
     ("own", "y", "heading", "place"),
     [
-        ("ab_1", 1.0, 0.5, ("ab_1", 60.0 - 2.35 * math.cos(0.5), 1.0 - 2.35 * math.sin(0.5))),
+        ("ab_1", 1.0, 0.5, ("ab_1", 64.7 - 4.7 * math.cos(0.5), -1.6)),
         ("ab_1", 1.0, 0.0, ("ab_1", 60.0, 1.0)),  # its middle is beside every lane too
         ("ab_0", -2.2, 0.5, ("ab_0", 60.0, -2.2)),  # SUMO maps the front to ab_1
         ("ab_1", -4.2, -0.5, ("ab_1", 60.0, -4.2)),
-        ("ab_1", -7.4, -0.5, ("ab_0", 60.0 - 2.35 * math.cos(0.5), -7.4 + 2.35 * math.sin(0.5))),
+        ("ab_1", -7.4, -0.5, ("ab_0", 64.7 - 4.7 * math.cos(0.5), -4.8)),
         (":b_0_1", -4.2, -0.5, (":b_0_1", 60.0, -4.2)),
-        (":b_0_1", 1.0, 0.5, ("ab_1", 60.0 - 2.35 * math.cos(0.5), 1.0 - 2.35 * math.sin(0.5))),
+        (":b_0_1", 1.0, 0.5, ("ab_1", 64.7 - 4.7 * math.cos(0.5), -1.6)),
     ],
 )
 def test_who_has_swung_out_is_on_his_lane_or_where_sumo_sees_no_front_under_his_middle(road, own, y, heading, place):
     seen = occupied(road, planned(), on(own), ego_at(60.0, y, heading), 10.0, CAR, EDGES)
     assert shown(seen) == (place[0], round(place[1], 3), round(place[2], 3))
     assert (seen.speed, seen.edges, seen.waits) == (5.0, EDGES, False)
+
+
+@pytest.mark.parametrize("x", [0.5, 2.0, 4.7, 30.0])
+@pytest.mark.parametrize("heading", [0.4, 1.5, 2.5])
+def test_who_is_shown_where_he_has_swung_out_has_his_rear_where_his_body_is(road, x, heading):
+    seen = occupied(road, planned(), on("ab_1"), ego_at(x, 1.0, heading), 10.0, CAR, EDGES)
+    nearest = min(x, x - CAR.length * math.cos(heading))
+    assert seen.x - CAR.length == pytest.approx(max(nearest, -CAR.length))
 
 
 CHANGE = LaneChange("ab_0", "ab_1", 1, 0.0, 40.0, 80.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -62,9 +63,15 @@ class Reference:
     goal: float | None = None
 
     def follow(self, lane: Lane, route_index: int, start: float, end: float) -> None:
-        """Append the spine of `lane` from arc length `start` (may be negative: straight on backwards) to `end`."""
+        """Append the spine of `lane` from arc length `start` (may be negative: straight on backwards) to `end`, without what
+        is drawn forth and back in between."""
         last = self.pieces[-1] if self.pieces else None
         if last is None or last.lane is not lane:
+            self.pieces.append(Piece(lane, route_index, self.length, start))
+        fold = fold_of(lane)
+        if fold is not None and start < fold.leaves and fold.joins < end:
+            self._append(cut(lane.spine, start, fold.leaves))
+            start = fold.joins
             self.pieces.append(Piece(lane, route_index, self.length, start))
         if end > start:
             self._append(cut(lane.spine, start, end))
@@ -174,6 +181,35 @@ def _end_on(lane: Lane, step: LaneStep) -> float:
 def _beside(lane: Lane, following: Lane) -> float:
     """Return the spine arc length of `lane` up to which `following` runs beside it."""
     return float(lane.spine.project(*following.spine.at(following.spine.length))[0])
+
+
+FOLDED_RAD = math.radians(150.0)
+"""A lane that turns by more at one of its points turns back on itself."""
+
+
+class Fold(NamedTuple):
+    """C leaves the lane at its spine arc length `leaves` and goes on at `joins`, m: in between the lane is drawn back along
+    itself and forth again, which no car can drive."""
+
+    leaves: float
+    joins: float
+
+
+@kept(4096)
+def fold_of(lane: Lane) -> Fold | None:
+    """Return what C leaves out of a lane that is drawn forth and back over itself; None: the lane can be driven.
+
+    A hairpin turns back once; a fold turns back twice, and where it does so for the second time it has been before.
+    """
+    spine = lane.spine
+    headings = [math.atan2(y, x) for x, y in np.diff(spine.points, axis=0).tolist()]
+    turns = [i for i in range(1, len(headings)) if abs(wrapped(headings[i] - headings[i - 1])) > FOLDED_RAD]
+    for back, forth in pairwise(turns):
+        place = spine.points[forth]
+        s, d = Polyline(spine.points[: back + 1]).project(float(place[0]), float(place[1]))
+        if s > 0.0 and abs(d) < 0.5 * lane.width and abs(wrapped(headings[forth] - headings[back - 1])) < TURNED_BACK_RAD:
+            return Fold(s, float(spine.arc_lengths[forth]))
+    return None
 
 
 TURNED_BACK_RAD = math.radians(110.0)

@@ -1,4 +1,4 @@
-"""Lanes that end beyond the start of the next one: where C leaves them, and where it follows them to their end."""
+"""Lanes that end beyond the start of the next one, or are drawn over themselves: what of them C leaves out."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from planner_roads import CAR, graph, road, start_on
 
 from sumo_reactive.driver.path.planner import plan
-from sumo_reactive.driver.path.reference import overrun_of
+from sumo_reactive.driver.path.reference import fold_of, overrun_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
 
@@ -65,3 +65,31 @@ def test_who_is_past_that_place_follows_the_lane() -> None:
     world = overrunning((54.0, 2.0), (54.0, -60.0), (57.0, 0.5))
     found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 59.0, speed=2.0))
     assert found.passages[0].start > 3.0
+
+
+FOLDED = [(0.0, 0.0), (60.0, 0.2), (30.0, 0.4), (90.0, 0.0)]
+
+
+def test_what_is_drawn_forth_and_back_is_left_out_of_c() -> None:
+    lanes = road("a", FOLDED)
+    found = fold_of(lanes[0])
+    assert found is not None
+    assert (found.leaves, found.joins) == pytest.approx((30.0, 90.0), abs=0.1)
+    c = plan(graph([lanes], []), Route(("a",)), "passenger", CAR, start_on(lanes[0], 10.0))
+    assert float(np.ptp(c.curve.heading)) < 0.1
+    first, second = c.segments
+    assert second.lane_offset == found.joins
+    assert c.goal == pytest.approx(90.0 - first.lane_offset, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [(0.0, 0.0), (60.0, 0.0), (30.0, 8.0), (0.0, 9.0)],
+        [(0.0, 0.0), (60.0, 0.0), (0.0, 10.0), (60.0, 20.0)],
+        [(0.0, 0.0), (60.0, 0.0), (60.0, 20.0), (0.0, 20.0), (0.0, 0.0), (60.0, 0.0)],
+    ],
+    ids=["a hairpin", "two hairpins", "a helix"],
+)
+def test_a_lane_that_turns_where_it_has_not_been_or_not_at_once_is_driven_as_it_is_drawn(points) -> None:
+    assert fold_of(road("a", points)[0]) is None
