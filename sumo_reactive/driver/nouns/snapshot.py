@@ -34,13 +34,15 @@ class PathObstacle(NamedTuple):
 class Conflict(NamedTuple):
     """One conflict region on the way, and who goes first there.
 
-    `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first.
+    `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first;
+    `lets_pass`: the ids of all connections that it lets go first.
     """
 
     region: ConflictRegion
     other: Connection
     must_yield: bool
     is_yielded_to: bool
+    lets_pass: frozenset[str] = frozenset()
 
 
 class Foe(NamedTuple):

@@ -62,7 +62,7 @@ class PilotMemory(NamedTuple):
     to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
     since when (s). `move`: which of the
     plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
-    light is yellow, each since when (s).
+    light is yellow, each since when (s). `kept`: foes who stand because they let somebody pass, each until when (s).
     """
 
     standing_since: float | None = None
@@ -82,6 +82,7 @@ class PilotMemory(NamedTuple):
     released: tuple[str, float] = ("", 0.0)
     move: tuple[int, int] | None = None
     yellows: tuple[tuple[str, float], ...] = ()
+    kept: tuple[tuple[str, float], ...] = ()
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

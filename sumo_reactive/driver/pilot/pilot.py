@@ -29,6 +29,7 @@ from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import View
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest_stop, unconditional_stop
+from sumo_reactive.driver.pilot.rules.region import kept_waiting
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
 from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
@@ -81,7 +82,8 @@ def decide(
     out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     snapshot, plan = view.snapshot, view.plan
-    situation = _considered(view, outlook, events, memory._replace(released=released(snapshot, view.ways, memory)))
+    memory = memory._replace(released=released(snapshot, view.ways, memory), kept=kept_waiting(snapshot, memory))
+    situation = _considered(view, outlook, events, memory)
     behaviour = next_behaviour(situation)
     situation, asked = _asked(situation, behaviour)
     turning = _turn(situation)

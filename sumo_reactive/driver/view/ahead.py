@@ -55,8 +55,16 @@ def conflicts_of(graph: RoadGraph, own: Connection, regions: tuple[ConflictRegio
             continue
         yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
         if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
-            found.append(Conflict(region, other, yields, yielded))
+            found.append(Conflict(region, other, yields, yielded, _lets_pass(graph, other)))
     return tuple(found)
+
+
+@kept(8192)
+def _lets_pass(graph: RoadGraph, connection: Connection) -> frozenset[str]:
+    """Return the connections of its junction to which one yields."""
+    junction = graph.junctions[connection.junction_id]
+    rules, own = junction.right_of_way, connection.index
+    return frozenset(one.id for one in junction.connections if rules.must_yield(own, one.index))
 
 
 def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:

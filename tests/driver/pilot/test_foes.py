@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.traffic import Body
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
-from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, HESITATION_S, ZIPPER_LEAD_M
+from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, HESITATION_S, ZIPPER_LEAD_M, kept_waiting
 from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind, Interval
@@ -210,3 +210,27 @@ ROWS: dict[str, tuple[Callable[[float], bool], float, float, float]] = {
 def test_with_a_foe_the_pilots_word_turns_over_at(name):
     holds, low, high, figure = ROWS[name]
     assert turns_at(holds, low, high) == pytest.approx(figure, abs=0.005)
+
+
+def test_who_stands_to_let_others_pass_is_waited_for_until_a_while_after_they_have():
+    """Without them, an ego that has waited as long takes him for one who just stands there."""
+    waits = STANDING.other("x", "from_west_0", -1.0, 0.0, WEST_EAST)._replace(waiting_time=30.0)
+    comes = STANDING.other("y", "from_east_0", -20.0, 10.0, ("from_east", "to_west"))
+    snapshot = STANDING.seen(waits, comes)
+    passing = {foe.conflict.other.id for foe in STANDING.seen(comes).foes}
+    lets = tuple(
+        foe._replace(conflict=foe.conflict._replace(lets_pass=frozenset(passing))) if foe.user.id == "x" else foe
+        for foe in snapshot.foes
+    )
+    memory = STANDING.memory._replace(standing_since=snapshot.time - 30.0)
+    kept = kept_waiting(snapshot._replace(foes=lets), memory)
+    assert passing and kept == (("x", snapshot.time),)
+    assert kept_waiting(snapshot, memory) == ()
+    alone = STANDING.seen(waits)
+    for later, is_waited_for in ((1.0, True), (USUAL.foe_patience_s - 0.1, True), (USUAL.foe_patience_s + 0.1, False)):
+        after = alone._replace(time=snapshot.time + later)
+        found, _ = ask(
+            view_of(after, STANDING.plan, CAR, passages_ahead(STANDING.graph, STANDING.plan, CAR, after.passages)),
+            HIGHWAY_CODE, None, memory._replace(kept=kept),
+        )  # fmt: skip
+        assert (reason(found) is Reason.YIELD_TO) == is_waited_for, later

@@ -54,6 +54,9 @@ OFF_THE_LINE_M = 1.5
 ENTERING_M = 6.0
 """Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
 
+LETS_PASS_S = 5.0
+"""Who comes to a region within this time is let pass by those who have to."""
+
 _SOON_S = 0.01
 """Later than just enough."""
 
@@ -278,8 +281,25 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
         in_vain = standing > p.foe_patience_s and user.waiting_time > 2.0 * p.foe_patience_s
         own = snapshot.time - memory.stopped_since if memory.stopped_at == crossing.connection.id else 0.0
         return user.waiting_time > own and not in_vain
-    patience = min(max(2.0 * p.foe_patience_s - user.waiting_time, p.least_patience_s), p.foe_patience_s)
-    return user.waiting_time <= p.foe_patience_s or standing <= patience
+    waited = min(user.waiting_time, snapshot.time - dict(memory.kept).get(user.id, -math.inf))
+    patience = min(max(2.0 * p.foe_patience_s - waited, p.least_patience_s), p.foe_patience_s)
+    return waited <= p.foe_patience_s or standing <= patience
+
+
+def kept_waiting(snapshot: Snapshot, memory: PilotMemory) -> tuple[tuple[str, float], ...]:
+    """Return the foes who stand because they let somebody pass, each with the time (s) until which they were seen to: they
+    go when he is past."""
+    patience = snapshot.parameters.foe_patience_s
+    known = {name: until for name, until in memory.kept if snapshot.time - until <= patience}
+    moving = {
+        foe.conflict.other.id
+        for foe in snapshot.foes
+        if foe.user.speed >= STANDING_SPEED and foe.to_region <= foe.user.speed * LETS_PASS_S
+    }
+    for foe in snapshot.foes:
+        if foe.user.speed < STANDING_SPEED and not foe.user.is_halted and not foe.conflict.lets_pass.isdisjoint(moving):
+            known[foe.user.id] = snapshot.time
+    return tuple(sorted(known.items()))
 
 
 def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
