@@ -13,7 +13,7 @@ from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.world.approaches import Approach, approaches_to
 from sumo_reactive.driver.world.junction import Connection, Junction
 from sumo_reactive.driver.world.lane import Lane, nearest_opposite
-from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions
+from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions, ways_near
 from sumo_reactive.driver.world.road_graph import RoadGraph, arcs_of
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id, lane_from, parse
@@ -81,6 +81,7 @@ class NetFile:
     def __init__(self, raw: RawNet) -> None:
         self._raw = raw
         self._regions: dict[str, tuple[ConflictRegion, ...]] = {}
+        self._near: dict[str, tuple[str, ...]] = {}
         self._upstream = NetUpstream(raw, self.lane)
 
     @property
@@ -115,7 +116,7 @@ class NetFile:
         connections = {connection.id: connection for junction in junctions.values() for connection in junction.connections}
         opposite = {edge: other for edge in edges if (other := self._opposite_of(edge))}
         regions = {region.id: region for region in self._regions_on(routes, junctions)}
-        others = {region.other_id for region in regions.values()}
+        others = {region.other_id for region in regions.values()} | set(self._beside(routes, junctions))
         approaches = {
             c.id: () if c.is_crossing else self._approaches_of(c.from_lane, edge_id_of(c.to_lane))
             for c in connections.values()
@@ -159,14 +160,30 @@ class NetFile:
         self, routes: Iterable[Sequence[str]], junctions: dict[str, Junction]
     ) -> Iterator[ConflictRegion]:
         """Yield the conflict regions of the connections from each route's edge to its next, in order on each."""
-        for edge, onward in dict.fromkeys(pair for route in routes for pair in pairwise(route)):
-            junction = junctions[self.end_of(edge)]
-            owns = [c for c in junction.connections if (edge_id_of(c.from_lane), edge_id_of(c.to_lane)) == (edge, onward)]
+        for junction, owns in self._passed(routes, junctions):
             missing = [own for own in owns if own.id not in self._regions]
             if missing:
                 self._regions.update(conflict_regions(missing, junction))
             for own in owns:
                 yield from self._regions[own.id]
+
+    def _beside(self, routes: Iterable[Sequence[str]], junctions: dict[str, Junction]) -> Iterator[str]:
+        """Yield the connections that come so near beside those of the routes, or the lanes behind these, that long bodies
+        reach over there."""
+        for junction, owns in self._passed(routes, junctions):
+            for own in owns:
+                if own.id not in self._near:
+                    self._near[own.id] = ways_near(own, self.lane(own.to_lane).spine, junction)
+                yield from self._near[own.id]
+
+    def _passed(
+        self, routes: Iterable[Sequence[str]], junctions: dict[str, Junction]
+    ) -> Iterator[tuple[Junction, list[Connection]]]:
+        """Yield the junctions on the routes, with the connections from each route's edge to its next."""
+        for edge, onward in dict.fromkeys(pair for route in routes for pair in pairwise(route)):
+            junction = junctions[self.end_of(edge)]
+            ends = edge, onward
+            yield junction, [c for c in junction.connections if (edge_id_of(c.from_lane), edge_id_of(c.to_lane)) == ends]
 
     @kept(_ALL)
     def _approaches_of(self, from_lane: str, to_edge: str) -> tuple[Approach, ...]:

@@ -10,6 +10,7 @@ from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.swept_conflict import swept_conflicts
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lateral_conflict import SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
@@ -33,10 +34,11 @@ def _walked(
     found: dict[int, tuple[Connection, tuple[Conflict, ...]]] = {}
     numbers = iter(range(len(plan.passages)))
     lanes = [segment.lane_id for segment in plan.segments] if limits.parameters.has(Mechanism.GRAPH) else []
+    swept = swept_conflicts(plan, graph, limits)
     for connection, regions in walk(graph, lanes):
         number = next((i for i in numbers if plan.passages[i].connection_id == connection.id), None)
         if number is not None:
-            found[number] = connection, conflicts_of(graph, connection, regions)
+            found[number] = connection, conflicts_of(graph, connection, regions) + swept.get(number, ())
     return found
 
 

@@ -12,6 +12,7 @@ from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
+from sumo_reactive.driver.view.swept_conflict import swept_conflicts
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 ATTENTION_TIME_S = 8.0
@@ -41,9 +42,13 @@ class ConflictingLane(NamedTuple):
 @kept(4096)
 def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[ConflictingLane, ...]]:
     """Return, by lane id, what a user on that lane may mean for a passage by the connection."""
-    table: dict[str, list[ConflictingLane]] = {}
     own = graph.connections[connection_id]
-    for conflict in conflicts_of(graph, own, graph.regions_on(own)):
+    return _lanes_to(graph, conflicts_of(graph, own, graph.regions_on(own)))
+
+
+def _lanes_to(graph: RoadGraph, conflicts: tuple[Conflict, ...]) -> Mapping[str, tuple[ConflictingLane, ...]]:
+    table: dict[str, list[ConflictingLane]] = {}
+    for conflict in conflicts:
         region = conflict.region.other.start, conflict.region.other.end
         for lane_id, behind in graph.lanes_behind(conflict.other):
             table.setdefault(lane_id, []).append(ConflictingLane(conflict, -behind, (), *region))
@@ -213,7 +218,8 @@ def _meanings(
     """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
     table: dict[str, list[_Meaning]] = {}
     for i, connection, _ in passages_ahead(graph, plan, limits, sight):
-        for lane_id, watches in watches_of(graph, connection.id).items():
+        swept = _lanes_to(graph, swept_conflicts(plan, graph, limits).get(i, ()))
+        for lane_id, watches in (*watches_of(graph, connection.id).items(), *swept.items()):
             table.setdefault(lane_id, []).extend((i, *watch) for watch in watches)
     return {lane_id: tuple(meanings) for lane_id, meanings in table.items()}
 

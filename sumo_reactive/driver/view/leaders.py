@@ -91,7 +91,8 @@ def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleL
 class Narrow(NamedTuple):
     """Between `start` and `end` of C (m) the way of `other`, or the middle of a body on it, is `clearance` m beside it at
     the least, on that way between `other_start` and `other_end` m behind its stop line. `passage` is the plan's; `to_edge`
-    is where `other` leads; `is_long`: for bodies longer than ORDINARY_M, or for all others."""
+    is where `other` leads; `is_long`: for bodies longer than ORDINARY_M, or for all others; `pace` (m/s): no faster than
+    this can the ego be all along it."""
 
     passage: int
     start: float
@@ -102,6 +103,7 @@ class Narrow(NamedTuple):
     other_end: float
     clearance: float
     is_long: bool
+    pace: float
 
 
 @kept(PLANS_KEPT)
@@ -126,7 +128,8 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
                     along, until = way.arc_lengths_at(places[at[[0, -1]]]).tolist()
                     edge = graph.lanes[other.to_lane].edge_id
                     clearance = abs(nearest) - inside
-                    found.append(Narrow(i, start, end, other, edge, along, until, clearance, is_long))
+                    pace = max(float(plan.speed_limits[first + at[0] : first + at[-1] + 1].min()), 1.0)
+                    found.append(Narrow(i, start, end, other, edge, along, until, clearance, is_long, pace))
     return tuple(found)
 
 
@@ -178,10 +181,11 @@ def _turn(
     """Return behind whom of `coming`, the nearest first, the ego passes a narrow place `left` m ahead (None: nobody need be
     waited for), and when it may be there (s from now).
 
-    It goes before the first who comes well after it. It counts on half the speed allowed, or on what it has.
+    It goes before the first who comes well after it. It counts on half the speed allowed, or on what it has, in a bend on
+    no more than that allows.
     """
     top, p = narrow.other.speed_limit, limits.parameters
-    pace = max(speed, 0.5 * top)
+    pace = min(max(speed, 0.5 * top), narrow.pace)
     own, inside = travel_time(left, speed, p.max_acceleration_in_plan, 0.5 * top), narrow.end - narrow.start
     last, turn = None, 0.0
     for theirs, user in coming:

@@ -12,6 +12,7 @@ import shapely
 
 from sumo_reactive.driver.geometry.polyline import Points, Polyline, cut, joined
 from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Junction
+from sumo_reactive.driver.world.lane import road_of
 
 SWEPT_WIDTH_M = 2.2
 """Width of the band that a body sweeps along its path: a car of 1.8 m with 0.2 m to spare on either side."""
@@ -24,6 +25,9 @@ UNDECLARED_REGION_AREA_M2 = 0.5
 
 SEPARATE_LEVELS_M = 3.0
 """Difference in height of paths that pass over each other; a car and its clearance need about this."""
+
+LONG_REACH_M = 5.0
+"""The body of a trailer of 18 m reaches over ways this far beside its own, but for half of another's width."""
 
 REGION_STEP_M = 0.25
 """Spacing of the points of a region's outline that are projected on the paths."""
@@ -158,6 +162,18 @@ def hold_back(approach: Polyline, ways: Sequence[Points]) -> tuple[float, tuple[
         return 0.0, ()
     corners = shapely.points(shapely.get_coordinates(list(found.values())))
     return float(line.length - shapely.line_locate_point(line, corners).min()), tuple(found)
+
+
+def ways_near(own: Connection, behind: Polyline, junction: Junction) -> tuple[str, ...]:
+    """Return the connections from other roads, no pedestrian crossings, nearer than LONG_REACH_M to an `own` one or
+    the lane `behind` it."""
+    road, line = road_of(own.from_lane), joined([own.path.points, cut(behind, 0.0, min(behind.length, HOLD_BACK_REACH_M))])
+    others = [c for c in junction.connections if not c.is_crossing and road_of(c.from_lane) != road]
+    if not others:
+        return ()
+    points, numbers = _indexed_points(others)
+    away = shapely.distance(shapely.linestrings(line), shapely.linestrings(points, indices=numbers))
+    return tuple(c.id for c, distance in zip(others, away.tolist(), strict=True) if distance < LONG_REACH_M)
 
 
 def _bounds_meet(bounds: tuple[float, ...], way: Points) -> bool:

@@ -169,7 +169,7 @@ def judge(
     foe = _by_letters(foe, crossing, snapshot)
     region, front = foe.conflict.region, snapshot.front
     to_region = crossing.at(region.own.start) - front
-    to_clear = crossing.at(region.own.end) + limits.length - front
+    to_clear = crossing.at(region.post.start) + limits.length - front
     if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
         return None
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
@@ -274,7 +274,7 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
     if user.body.is_person:
         return foe.to_stop_line < 0.0 or _may_step_on(foe, snapshot, standing)
     if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed, p.yellow_deceleration):
-        return False
+        return user.speed >= STANDING_SPEED and _is_swung_over(foe.conflict)  # a light keeps nobody off the way to its line
     if user.speed >= STANDING_SPEED:
         return True
     if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
@@ -300,6 +300,11 @@ def kept_waiting(snapshot: Snapshot, memory: PilotMemory) -> tuple[tuple[str, fl
         if foe.user.speed < STANDING_SPEED and not foe.user.is_halted and not foe.conflict.lets_pass.isdisjoint(moving):
             known[foe.user.id] = snapshot.time
     return tuple(sorted(known.items()))
+
+
+def _is_swung_over(conflict: Conflict) -> bool:
+    """Whether the ego's body alone makes the conflict, with those who come to their line."""
+    return not conflict.must_yield and not conflict.is_yielded_to and conflict.region.other.start < 0.0
 
 
 def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
@@ -346,9 +351,12 @@ def _room_to_wait(foe: Foe) -> float | None:
 
 
 def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
-    """Arc length of the place inside the junction where a turn may wait for a region; None when there is none."""
+    """Arc length of the place inside the junction where a turn may wait for a region; None when there is none.
+
+    Over whom the body swings, he goes first: it would stand in his way there.
+    """
     drawn, place, start = crossing.connection.wait_at, crossing.wait_at, conflict.region.own.start
-    if drawn is None or place is None or start < drawn - WAIT_SHIFT_M:
+    if drawn is None or place is None or start < drawn - WAIT_SHIFT_M or _is_swung_over(conflict):
         return None
     return crossing.at(min(place, start - REGION_MARGIN_M))
 

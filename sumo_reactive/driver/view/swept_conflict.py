@@ -1,0 +1,141 @@
+"""Conflict regions that the map does not know: ground beside its ways that a long body covers as it swings through a turn.
+
+The map's regions lie between bands that cars sweep along the ways. A long body's front swings out of its way and its middle
+cuts the corner: over the lane of those who come towards it there, or over who waits at the line of another road. They do
+not look at it, no rule makes them, so it waits before its line until nobody is about to be there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.geometry.polyline import Floats, Points, cut, joined
+from sumo_reactive.driver.geometry.swept import steering_along
+from sumo_reactive.driver.nouns.plan import NominalPlan, Passage
+from sumo_reactive.driver.nouns.snapshot import Conflict
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.leaders import ORDINARY_M
+from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Junction
+from sumo_reactive.driver.world.lane import road_of
+from sumo_reactive.driver.world.regions import (
+    SWEPT_WIDTH_M,
+    ConflictKind,
+    ConflictRegion,
+    Interval,
+    PostConflictRegion,
+)
+from sumo_reactive.driver.world.road_graph import RoadGraph
+
+_BODIES_STEP_M = 0.5
+"""The body is laid along C this often."""
+
+
+class _Bodies(NamedTuple):
+    """The body where its front is at `fronts` (n,), m of C: boxes (n,)."""
+
+    fronts: Floats
+    boxes: Any
+
+
+class _OtherWay(NamedTuple):
+    """The line that others by `connection` drive, from `before` m before their stop line on."""
+
+    connection: Connection
+    line: Any
+    before: float
+
+
+@kept(PLANS_KEPT)
+def swept_conflicts(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> Mapping[int, tuple[Conflict, ...]]:
+    """Return the conflicts with those over whose ways the body swings where the map calls them free, by passage."""
+    if limits.length <= ORDINARY_M:
+        return {}
+    turned = {turn.end for turn in plan.turnarounds}
+    found = {}
+    for i, passage in enumerate(plan.passages):
+        junction = graph.junctions.get(passage.junction_id)
+        if junction is not None and passage.end not in turned:
+            found[i] = tuple(_conflicts(plan, passage, junction, graph, limits))
+    return {i: conflicts for i, conflicts in found.items() if conflicts}
+
+
+def _conflicts(
+    plan: NominalPlan, passage: Passage, junction: Junction, graph: RoadGraph, limits: VehicleLimits
+) -> Iterator[Conflict]:
+    own, bodies = graph.connections[passage.connection_id], _bodies(plan, passage, limits)
+    if bodies is None:
+        return
+    line = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
+    ground = shapely.box(*shapely.total_bounds(bodies.boxes))
+    known = {region.other_id for region in graph.regions_on(own)}
+    for other in junction.connections:
+        if other.is_crossing or road_of(other.from_lane) == road_of(own.from_lane):
+            continue
+        way = _other_way(graph, other, at_line=other.id in known)
+        if not ground.intersects(way.line) or line.distance(way.line) < SWEPT_WIDTH_M:
+            continue  # not near, or ways that lie over each other: the map's own affair
+        region = _region(own, way, passage, bodies, limits.length)
+        if region is not None:
+            yield Conflict(region, other, must_yield=False, is_yielded_to=False)
+
+
+def _bodies(plan: NominalPlan, passage: Passage, limits: VehicleLimits) -> _Bodies | None:
+    """Return the body all along a passage."""
+    curve, stride = plan.curve, max(int(_BODIES_STEP_M / plan.curve.step), 1)
+    first = max(int((passage.start - 2.0 * limits.length) / curve.step), 0)
+    last = min(int((passage.end + limits.length + HOLD_BACK_REACH_M) / curve.step), len(curve.x) - 1)
+    if last - first < 2:
+        return None
+    at = slice(first, last, stride)
+    headings = curve.heading[at]
+    angles = steering_along(headings, np.full(len(headings), stride * curve.step), limits.wheelbase, 0.0)
+    headings = headings - angles
+    c, s, half = np.cos(headings), np.sin(headings), 0.5 * limits.width
+    front = np.column_stack((curve.x[at], curve.y[at])) + limits.front_overhang * np.column_stack((c, s))
+    back, aside = limits.length * np.column_stack((c, s)), half * np.column_stack((-s, c))
+    corners = np.stack((front + aside, front - back + aside, front - back - aside, front - aside), axis=1)
+    places = first + stride * np.arange(len(headings), dtype=np.float64)
+    fronts: Floats = places * curve.step + limits.front_overhang
+    return _Bodies(fronts, shapely.polygons(corners))
+
+
+def _other_way(graph: RoadGraph, other: Connection, *, at_line: bool) -> _OtherWay:
+    """Return the way of others from before their stop line on; only up to the line where the map has a region behind it."""
+    lane = graph.lanes[other.from_lane].spine
+    before = min(lane.length, HOLD_BACK_REACH_M)
+    parts: list[Points] = [cut(lane, lane.length - before, lane.length)]
+    if not at_line:
+        parts.append(other.path.points)
+    return _OtherWay(other, shapely.linestrings(joined(parts)), before)
+
+
+def _region(own: Connection, way: _OtherWay, passage: Passage, bodies: _Bodies, length: float) -> ConflictRegion | None:
+    """Return where the body meets a car on another way; None: nowhere."""
+    band = shapely.buffer(way.line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+    at = np.flatnonzero(shapely.intersects(bodies.boxes, band))
+    if not len(at):
+        return None
+    met = shapely.intersection(bodies.boxes[at], band)
+    corners = shapely.points(shapely.get_coordinates(met))
+    along = shapely.line_locate_point(way.line, corners) - way.before
+    start, end = (_inside(float(front), passage, own) for front in (bodies.fronts[at[0]], bodies.fronts[at[-1]] - length))
+    other, region_id = way.connection, f"{own.id}~{way.connection.id}"
+    return ConflictRegion(
+        region_id, ConflictKind.CROSSING, own.id, other.id, Interval(start, max(start, end)),
+        Interval(float(along.min()), float(along.max())),
+        shapely.get_coordinates(shapely.convex_hull(shapely.geometrycollections(met)))[:-1],
+        PostConflictRegion(own.id, end, region_id),  # who swings out with its front is out of it before its rear comes there
+    )  # fmt: skip
+
+
+def _inside(s: float, passage: Passage, own: Connection) -> float:
+    """Return arc length `s` of C (m) as one from the stop line on the connection's path."""
+    if s >= passage.end:
+        return own.path.length + s - passage.end
+    scale = (passage.end - passage.start) / max(own.path.length, 0.1)
+    return (s - passage.start) / scale if s > passage.start else s - passage.start

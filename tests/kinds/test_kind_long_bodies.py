@@ -1,0 +1,44 @@
+"""Kinds of long bodies that swing in turns: over the lane of those who come, and over who waits at another road's line."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from kinds import Net, car, cross, driven, edge, node, sort, stream
+
+LONG = sort("long", vClass="bus", length=12, width=2.5) + sort("trailer", vClass="trailer", length=16, width=2.5)
+
+
+def fork(angle: float) -> Net:
+    """Return a road from a to b that goes on to n, and turns right by `angle` degrees to e, both ways there."""
+    turn = math.radians(angle)
+    nodes = node("a", 0, -90) + node("b", 0, 0, radius=1.5) + node("n", 0, 90)
+    nodes += node("e", 90 * math.sin(turn), 90 * math.cos(turn))
+    return Net(nodes, "".join(edge(ends) for ends in ("ab", "ba", "bn", "nb", "be", "eb")))
+
+
+@pytest.mark.parametrize(("gap", "first", "slower"), [(3, 0, 2.5), (3, 1.4, 2.5), (6, 1, 1.6), (8, 1, 1.3)])
+def test_a_bus_waits_before_its_line_for_those_whose_lane_its_front_swings_over(tmp_path, gap, first, slower):
+    """Nobody who comes looks at it, and no rule of the map is between them."""
+    others = stream("x", "eb bn", [first + gap * k for k in range(7)])
+    run = driven(tmp_path, fork(125), car("ego", "ab be", type="long"), others, extra=LONG)
+    assert run.complaints(slower=slower) == []
+    assert run.ego.slowest(":b") > 1.0
+
+
+@pytest.mark.parametrize("gap", [3, 6])
+def test_a_car_that_swings_over_nobody_waits_for_nobody(tmp_path, gap):
+    run = driven(tmp_path, fork(125), car("ego", "ab be"), stream("x", "eb bn", [gap * k for k in range(7)]))
+    assert run.complaints(slower=1.15) == []
+
+
+@pytest.mark.parametrize("kind", ["right_before_left", "priority"])
+@pytest.mark.parametrize("way", ["nc cs", "nc ce", "nc cw"])
+@pytest.mark.parametrize("first", [0, 2])
+def test_a_trailer_lets_those_go_whose_line_it_cuts_over(tmp_path, kind, way, first):
+    """They would wait for it at their line, and it for them in front of it."""
+    net = cross(kind, options=("--default.junctions.radius", "1.5"))
+    others = stream("x", way, [first + 4 * k for k in range(4)])
+    run = driven(tmp_path, net, car("ego", "wc cn", type="trailer"), others, extra=LONG, until=120)
+    assert run.complaints(slower=2.5) == []
