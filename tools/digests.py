@@ -28,7 +28,7 @@ from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
@@ -148,27 +148,41 @@ def driven(runs: Mapping[str, Scenario], jobs: int, timeout: float) -> Iterator[
 def in_processes(orders: Iterable[Order], one: Callable[[Order, Runner], Found], jobs: int) -> Iterator[Found]:
     """Carry out `jobs` of the `orders` at a time, each with a runner whose process finds the tools; yield what `one` found
     in their order."""
-    here = str(Path(__file__).resolve().parent)
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH", ""))))
-    idle: SimpleQueue[Runner] = SimpleQueue()
-    runners = [Runner() for _ in range(jobs)]
-    for runner in runners:
-        idle.put(runner)
+    with Processes(jobs) as processes:
+        yield from processes.each(orders, one)
 
-    def with_runner(order: Order) -> Found:
-        runner = idle.get()
-        try:
-            return one(order, runner)
-        finally:
+
+class Processes:
+    """Runners whose processes find the tools, kept from one list of orders to the next."""
+
+    def __init__(self, jobs: int) -> None:
+        here = str(Path(__file__).resolve().parent)
+        os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH", ""))))
+        self._runners = [Runner() for _ in range(jobs)]
+        self._threads = ThreadPoolExecutor(jobs)
+
+    def each(self, orders: Iterable[Order], one: Callable[[Order, Runner], Found]) -> Iterator[Found]:
+        """Carry out as many of the `orders` at a time as there are runners; yield what `one` found in their order."""
+        idle: SimpleQueue[Runner] = SimpleQueue()
+        for runner in self._runners:
             idle.put(runner)
 
-    with ThreadPoolExecutor(jobs) as threads:
-        try:
-            yield from threads.map(with_runner, orders)
-        finally:
-            threads.shutdown(wait=False, cancel_futures=True)
-            for runner in runners:
-                runner.close()
+        def with_runner(order: Order) -> Found:
+            runner = idle.get()
+            try:
+                return one(order, runner)
+            finally:
+                idle.put(runner)
+
+        yield from self._threads.map(with_runner, orders)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for runner in self._runners:
+            runner.close()
 
 
 def _nothing(reason: str) -> Digests:

@@ -53,6 +53,9 @@ class Parameters:
     velocity_share: float = 1.0
     """Share of every instruction's w₃, which keeps it at v_d."""
 
+    shares_of: float = 0.0
+    """The instruction, by its number from 1, whose weights the three shares are for; 0: those of every one."""
+
     valley_attraction: float = 1.0
     """α of U₁, 1/m (F&L 1991, §3.3.1)."""
 

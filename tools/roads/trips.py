@@ -63,6 +63,8 @@ class Run(NamedTuple):
     off_road_s: float = 0.0
     standstill_s: float = 0.0
     lateral: float = 0.0
+    jerk: float = 0.0
+    """RMS, m/s³."""
     judged: tuple[int, int] = (0, 0)
     """Collisions and red lights as the program's own judges count them."""
 
@@ -199,5 +201,6 @@ def _run(result: TrialResult, seen: Seen, brisk: frozenset[str]) -> Run:
         off_road_s=seen.off_road_s,
         standstill_s=figures["standstill_s"],
         lateral=figures["max_lateral_acceleration_m_s2"],
+        jerk=figures["rms_jerk_m_s3"],
         judged=(int(figures["collisions"]), int(figures["red_lights_run"])),
     )

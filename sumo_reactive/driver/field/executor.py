@@ -36,6 +36,9 @@ from sumo_reactive.driver.vehicle.safe_speed import (
 BACK_UP_SPEED = 1.0
 """m/s; walking speed."""
 
+NUMBERS = {instruction: float(number) for number, instruction in enumerate(Instruction, 1)}
+"""Instructions by their number, as `Parameters.shares_of` has them."""
+
 ROLLING_APPROACH_S = 3.0
 """Time constant with which the ego slows down for a gap that is foreseen to open."""
 
@@ -387,6 +390,8 @@ def _choose(
 def _weights(completed: CompletedPlan, parameters: Parameters) -> Weights:
     """Return w₁, w₂, w₃ of the instruction."""
     w = completed.tuning.weights
+    if parameters.shares_of not in (0.0, NUMBERS[completed.instruction]):
+        return w
     return Weights(
         w.valley * parameters.valley_share, w.shadow * parameters.shadow_share, w.velocity * parameters.velocity_share
     )
