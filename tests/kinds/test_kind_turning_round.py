@@ -1,0 +1,26 @@
+"""Kinds of turns back on the road that the ego came on, which SUMO's own driver makes on the spot."""
+
+from __future__ import annotations
+
+from kinds import Net, Run, car, driven, edge, node
+
+TURN_S = 14.5
+"""What a turn in three moves may cost beside one on the spot, braking before it and gaining speed behind it included, s."""
+
+
+def tee() -> Net:
+    """Return a road from a to b, which a main road from n to s meets there."""
+    nodes = node("a", 0, 0) + node("b", 120, 0) + node("n", 120, 100) + node("s", 120, -100)
+    roads = "".join(edge(ends, priority=5) for ends in ("nb", "bs", "sb", "bn")) + edge("ab") + edge("ba")
+    return Net(nodes, roads, options=())
+
+
+def lost(run: Run) -> float:
+    """How much longer the ego takes than SUMO's own driver, s."""
+    return run.ego.duration - run.own.duration
+
+
+def test_a_turn_in_several_moves_takes_no_longer_than_it_must(tmp_path):
+    run = driven(tmp_path, tee(), car("ego", "ab ba"))
+    assert run.complaints(slower=9.0) == []
+    assert lost(run) < TURN_S
