@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from kinds import Net, Run, car, driven, edge, node
+import pytest
+from kinds import Net, Run, car, driven, edge, node, stream
 
 TURN_S = 14.5
 """What a turn in three moves may cost beside one on the spot, braking before it and gaining speed behind it included, s."""
@@ -24,3 +25,10 @@ def test_a_turn_in_several_moves_takes_no_longer_than_it_must(tmp_path):
     run = driven(tmp_path, tee(), car("ego", "ab ba"))
     assert run.complaints(slower=9.0) == []
     assert lost(run) < TURN_S
+
+
+@pytest.mark.parametrize("late", [0.0, 0.4, 0.8, 1.2, 1.6])
+def test_the_ego_does_not_begin_to_turn_before_who_is_in_the_way_has_left(tmp_path, late):
+    crossing = stream("x", "sb ba", [2.0 + late + 4.0 * k for k in range(3)])
+    run = driven(tmp_path, tee(), car("ego", "ab ba"), crossing, until=90)
+    assert run.complaints(slower=9.0) == []
