@@ -11,6 +11,7 @@ from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.regions import ConflictKind
 
 REGION_MARGIN_M = 0.5
 """Distance kept to a region when waiting inside a junction."""
@@ -96,9 +97,15 @@ def _pace(plan: NominalPlan, first: int, last: int) -> float:
 
 
 def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:
-    """Return the waiting place (m of the path), moved back before the regions of those who go first that reach over it."""
+    """Return the waiting place (m of the path), moved back before the regions of those who go first, or whom no rule makes
+    wait, that reach over it."""
     wait = connection.wait_at
     if wait is None:
         return None
-    starts = (conflict.region.own.start for conflict in conflicts if conflict.must_yield)
+    starts = (conflict.region.own.start for conflict in conflicts if conflict.must_yield or _is_unruled(conflict))
     return min([wait, *(start - REGION_MARGIN_M for start in starts if start >= wait - WAIT_SHIFT_M)])
+
+
+def _is_unruled(conflict: Conflict) -> bool:
+    """Whether ways cross and no rule makes either wait: left turns towards each other that SUMO's map lets meet."""
+    return conflict.region.kind is ConflictKind.CROSSING and not conflict.is_yielded_to
