@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import Net, Run, car, driven, edge, node, stream
+from kinds import Net, Run, car, cross, driven, edge, node, stream
 
 TURN_S = 14.5
 """What a turn in three moves may cost beside one on the spot, braking before it and gaining speed behind it included, s."""
@@ -14,6 +14,12 @@ def tee() -> Net:
     nodes = node("a", 0, 0) + node("b", 120, 0) + node("n", 120, 100) + node("s", 120, -100)
     roads = "".join(edge(ends, priority=5) for ends in ("nb", "bs", "sb", "bn")) + edge("ab") + edge("ba")
     return Net(nodes, roads, options=())
+
+
+def small() -> Net:
+    """Return a crossing without room to spare, where one may turn round."""
+    drawn = cross()
+    return Net(drawn.nodes, drawn.edges, options=("--default.junctions.radius", "1.5"))
 
 
 def lost(run: Run) -> float:
@@ -32,3 +38,9 @@ def test_the_ego_does_not_begin_to_turn_before_who_is_in_the_way_has_left(tmp_pa
     crossing = stream("x", "sb ba", [2.0 + late + 4.0 * k for k in range(3)])
     run = driven(tmp_path, tee(), car("ego", "ab ba"), crossing, until=90)
     assert run.complaints(slower=9.0) == []
+
+
+@pytest.mark.parametrize("late", [-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
+def test_who_turns_round_and_waits_in_the_middle_is_let_go_before_the_ego_turns_into_his_lane(tmp_path, late):
+    run = driven(tmp_path, small(), car("ego", "nc ce", 1), car("x", "ec ce", 1 + late))
+    assert run.complaints(slower=3.0) == []

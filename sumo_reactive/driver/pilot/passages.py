@@ -27,7 +27,7 @@ class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
     `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
-    nowhere)."""
+    nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor."""
 
     number: int
     passage: Passage
@@ -37,6 +37,7 @@ class Crossing(NamedTuple):
     stop: float = math.inf
     turn: Turnaround | None = None
     wait_at: float | None = None
+    waits_in_the_way: frozenset[str] = frozenset()
 
     @property
     def line(self) -> float:
@@ -87,7 +88,10 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
         wait_at = _place_inside(connection, conflicts)
-        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
+        in_the_way = frozenset(conflict.other.id for conflict in conflicts if conflict.waits_in_the_way)
+        yield Crossing(
+            index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, waits_in_the_way=in_the_way
+        )
 
 
 @kept(PLANS_KEPT)

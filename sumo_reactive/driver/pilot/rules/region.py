@@ -172,7 +172,7 @@ def judge(
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    if _gives_way(foe, committed, snapshot.parameters):
+    if _gives_way(foe, committed, crossing, snapshot.parameters):
         return None
     p, speed = snapshot.parameters, snapshot.ego.speed
     own = passing(to_region, to_clear, speed, crossing.pace, limits)
@@ -293,7 +293,7 @@ def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
     return letter in "gG" if letter else foe.conflict.must_yield
 
 
-def _gives_way(foe: Foe, committed: bool, parameters: Parameters) -> bool:
+def _gives_way(foe: Foe, committed: bool, crossing: Crossing, parameters: Parameters) -> bool:
     """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
     conflict, user = foe.conflict, foe.user
     if user.body.is_person:
@@ -308,6 +308,8 @@ def _gives_way(foe: Foe, committed: bool, parameters: Parameters) -> bool:
     if all_way and not committed and (user.speed < STANDING_SPEED or foe.to_stop_line < OFF_THE_LINE_M):
         return False  # it stopped before the ego, see `_can_come`, or is already leaving its line
     room = _room_to_wait(foe)
+    if not committed and conflict.other.id in crossing.waits_in_the_way:
+        return False  # each would wait for the other there
     if room is None:
         return False
     stops = all_way and foe.to_stop_line >= 0.0
