@@ -44,3 +44,17 @@ def test_the_ego_does_not_begin_to_turn_before_who_is_in_the_way_has_left(tmp_pa
 def test_who_turns_round_and_waits_in_the_middle_is_let_go_before_the_ego_turns_into_his_lane(tmp_path, late):
     run = driven(tmp_path, small(), car("ego", "nc ce", 1), car("x", "ec ce", 1 + late))
     assert run.complaints(slower=3.0) == []
+
+
+@pytest.mark.parametrize("late", [-1.0, 0.0, 1.0])
+def test_an_oncoming_left_turner_who_brakes_for_his_place_to_wait_is_not_braked_for(tmp_path, late):
+    run = driven(tmp_path, cross(), car("ego", "wc ce", 2), car("x", "ec cs", 2 + late))
+    assert run.complaints(slower=1.2) == []
+    assert run.ego.slowest("wc") > 11.0
+
+
+@pytest.mark.parametrize("late", [-1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+def test_two_who_turn_left_towards_each_other_do_not_meet(tmp_path, late):
+    through = stream("y", "ec cw", [0.0, 1.5])
+    run = driven(tmp_path, small(), car("ego", "wc cn", 0), through, car("x", "ec cs", 3.0 + late))
+    assert run.complaints(slower=3.0) == []

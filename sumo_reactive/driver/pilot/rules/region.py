@@ -51,6 +51,12 @@ the ego's way is moved aside by as much. An ego that stands or creeps so little 
 OFF_THE_LINE_M = 1.5
 """A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
 
+STOPS_WITHIN_M = 0.5
+"""A foe is trusted to stop if it is seen to brake so that it stands no farther than this behind the place to wait…"""
+
+BRAKES_SHARE = 1.05
+"""…braking this much harder towards the end: SUMO's cars brake late, and with just the 4.5 m/s² that is theirs."""
+
 ENTERING_M = 6.0
 """Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
 
@@ -312,6 +318,8 @@ def _gives_way(foe: Foe, committed: bool, crossing: Crossing, parameters: Parame
         return False  # each would wait for the other there
     if room is None:
         return False
+    if user.speed * user.speed <= 2.0 * BRAKES_SHARE * max(-user.acceleration, 0.0) * (room + STOPS_WITHIN_M):
+        return True
     stops = all_way and foe.to_stop_line >= 0.0
     trusted = parameters.sign_stop_deceleration if stops else parameters.foe_can_stop_deceleration
     return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)
