@@ -191,7 +191,10 @@ class Sensor:
             heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name) * scale
             position = vehicle.getLanePosition(name) * scale
             if speed > STANDING_SPEED:
-                yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route)
+                gain = vehicle.getAcceleration(name) * scale
+                yield RoadUser(
+                    name, x, y, heading, speed, lane_id, position, known.body, known.route, acceleration=gain
+                )
                 continue
             waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
             yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting, halted)

@@ -26,7 +26,7 @@ LANE = SeenLane("a_0", "a", 1.5, False)
 CAR = {
     "getPosition": (10.0, 20.0), "getAngle": 0.0, "getSpeed": 4.0, "getLanePosition": 30.0, "getLength": 5.0,
     "getWidth": 1.75, "getDecel": 4.0, "getEmergencyDecel": 7.0, "getMaxSpeed": 40.0, "getRouteIndex": 1,
-    "getRoute": ("z", "a", "b", "c"), "getWaitingTime": 6.0, "isStopped": 1,
+    "getRoute": ("z", "a", "b", "c"), "getWaitingTime": 6.0, "isStopped": 1, "getAcceleration": -2.0,
 }  # fmt: skip
 
 
@@ -52,7 +52,7 @@ def test_a_vehicle_that_moves_is_read_with_places_and_speeds_over_ground(monkeyp
     assert sensor.look() == 5.0
     body = Body(5.0, 1.75, 7.0, 40.0)
     assert sensor.vehicles((LANE,)) == [
-        RoadUser("x", 10.0, 20.0, NORTH, 6.0, "a_0", 45.0, body, ("a", "b", "c"), 0.0, False)
+        RoadUser("x", 10.0, 20.0, NORTH, 6.0, "a_0", 45.0, body, ("a", "b", "c"), 0.0, False, -3.0)
     ]
 
 

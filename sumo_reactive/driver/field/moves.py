@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
-from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SPEED, WHEELS_TURNED_RAD, Move
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.vehicle.bicycle import advance, advance_pose
@@ -13,6 +13,12 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 MOVE_SIGHT_M = 0.8
 """A move goes on while the ego's body touches nobody this far beyond where it could stop."""
+
+WHEELS_READY_RAD = 0.3
+"""A move begins when the wheels are this near to its steering angle: meanwhile it drives a few centimetres."""
+
+STRAIGHTENING_SHARE = 0.8
+"""Share of the largest steering rate with which the wheels are straightened on the way out."""
 
 LEAST_SPEED = 0.1
 """m/s; how fast a move comes to its end."""
@@ -32,33 +38,43 @@ def moved_on(
 ) -> tuple[Command, VehicleState]:
     """Return the next command of a move, gaining speed by `acceleration` (m/s²), and the state it leads to.
 
-    The wheels are turned first, at a stand, and straightened after the last move. The ego waits while somebody is in the
-    way.
+    The wheels are turned first, at a stand, and straightened after the last move, or on the way where it rolls out. The ego
+    waits while somebody is in the way.
     """
     ego, hard = snapshot.ego, limits.comfort_deceleration
     speed = max(move.gear * ego.speed, 0.0)
     left = max(move.left(ego.pose.heading), 0.0)
-    straightens = move.is_last and left < MOVE_END_M
-    turn = (0.0 if straightens else move.steering_angle) - ego.steering_angle
-    sight = min(left, speed * speed / (2.0 * hard) + MOVE_SIGHT_M)
+    turn = _wheels(move, left, speed, limits) - ego.steering_angle
+    sight = min(speed * speed / (2.0 * hard) + MOVE_SIGHT_M, math.inf if move.rolls_out else left)
     wanted = 0.0
-    if abs(turn) < WHEELS_TURNED_RAD and _is_free(snapshot, move, sight, limits):
+    if abs(turn) < WHEELS_READY_RAD and _is_free(snapshot, move, left, sight, limits):
         top = MOVE_SPEED if move.gear > 0 else MOVE_BACK_SPEED
-        gentle = max(math.sqrt(2.0 * acceleration * left), LEAST_SPEED)
-        wanted = min(top, gentle, speed + acceleration * period, left / period)
+        wanted = min(top, speed + acceleration * period)
+        if not move.rolls_out:
+            wanted = min(wanted, max(math.sqrt(2.0 * acceleration * left), LEAST_SPEED), left / period)
     wanted = max(wanted, speed - hard * period)
     rate = max(-limits.max_steering_rate, min(limits.max_steering_rate, turn / period))
     command = Command((move.gear * wanted - ego.speed) / period, rate)
     return command, advance(ego, command, limits.wheelbase, period, lowest=-MOVE_BACK_SPEED)
 
 
-def _is_free(snapshot: Snapshot, move: Move, way: float, limits: VehicleLimits) -> bool:
-    """Whether nobody is touched, now or soon, within `way` m of the arc, whom the ego does not leave."""
+def _wheels(move: Move, left: float, speed: float, limits: VehicleLimits) -> float:
+    """Return the steering angle (rad) to turn the wheels to, `left` m before the end: straight where the last move is over;
+    where it rolls out at `speed` (m/s), so that they are straight when the car is."""
+    if not move.is_last or not move.rolls_out:
+        return 0.0 if move.is_last and left < MOVE_END_M else move.steering_angle
+    way = speed * abs(move.steering_angle) / (2.0 * STRAIGHTENING_SHARE * limits.max_steering_rate)
+    return move.steering_angle * (math.sqrt(left / way) if left < way else float(left >= MOVE_END_M))
+
+
+def _is_free(snapshot: Snapshot, move: Move, left: float, way: float, limits: VehicleLimits) -> bool:
+    """Whether nobody is touched, now or soon, within `way` m, of which the arc has `left`, whom the ego does not leave."""
     boxes = [where for box in snapshot.boxes.tolist() for where in _places(*box[:6])]
     near = [box for box in boxes if not _touched(snapshot.ego.pose, box, limits)]
-    angle, steps = move.steering_angle, max(math.ceil(way / STEP_M), 1)
+    steps = max(math.ceil(way / STEP_M), 1)
     pose = snapshot.ego.pose
-    for _ in range(steps if near else 0):
+    for k in range(steps if near else 0):
+        angle = move.steering_angle if k * way / steps < left or not move.rolls_out else 0.0
         pose = Pose(*advance_pose(*_of(pose), move.gear * way / steps, angle, limits.wheelbase, 1.0))
         if any(_touched(pose, box, limits) for box in near):
             return False

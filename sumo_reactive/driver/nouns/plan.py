@@ -27,17 +27,17 @@ LANE_CHANGE_CLEARANCE_M = 2.0
 CALL_OFF_SHARE = 0.3
 """A lane change may be called off on this share of its length: a car of 1.8 m on a lane of 3.2 m then touches the line."""
 
-MOVE_SPEED = 2.0
+MOVE_SPEED = 3.0
 """m/s; how fast the moves of a turn are driven where the road is too narrow for one sweep…"""
 
-MOVE_BACK_SPEED = 1.5
+MOVE_BACK_SPEED = 2.0
 """m/s; …and how fast those backwards."""
 
 MOVE_END_M = 0.04
 """A move is over when less of its way is left."""
 
 WHEELS_TURNED_RAD = 0.03
-"""A move begins when the wheels are this near to its steering angle."""
+"""The wheels are straight again when they are this near to it."""
 
 TURNAROUND_REACHED_M = 1.5
 """An ego that stands this near to where it turns round begins."""
@@ -132,21 +132,23 @@ def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
 @dataclass(frozen=True, slots=True)
 class Move:
     """An arc of a turn in several moves: forwards (`gear` 1) or backwards (−1), wheels at `steering_angle` (rad), which
-    turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad). After the last one C leads on."""
+    turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad). After the last one C leads on; the car
+    stands there, unless it `rolls_out`."""
 
     gear: int
     steering_angle: float
     bend: float
     until: float
     is_last: bool = False
+    rolls_out: bool = False
 
     def left(self, heading: float) -> float:
         """Return the way left of the arc, m, at the car's `heading` (rad); negative where it has turned too far."""
         return self.gear * wrapped(self.until - heading) / self.bend
 
     def is_over(self, ego: VehicleState) -> bool:
-        """Whether the car stands at the end, after the last move with its wheels straight."""
-        is_there = self.left(ego.pose.heading) < MOVE_END_M and abs(ego.speed) < STANDING_SPEED
+        """Whether the car is at the end, after the last move with its wheels straight; it stands unless it rolls out."""
+        is_there = self.left(ego.pose.heading) < MOVE_END_M and (self.rolls_out or abs(ego.speed) < STANDING_SPEED)
         return is_there and (not self.is_last or abs(ego.steering_angle) < WHEELS_TURNED_RAD)
 
 

@@ -35,7 +35,8 @@ class Conflict(NamedTuple):
     """One conflict region on the way, and who goes first there.
 
     `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first;
-    `lets_pass`: the ids of all connections that it lets go first.
+    `lets_pass`: the ids of all connections that it lets go first. `waits_in_the_way`: who turns into the ego's lane, and
+    waits for it where the map says, has his body in its corridor.
     """
 
     region: ConflictRegion
@@ -43,6 +44,7 @@ class Conflict(NamedTuple):
     must_yield: bool
     is_yielded_to: bool
     lets_pass: frozenset[str] = frozenset()
+    waits_in_the_way: bool = False
 
 
 class Foe(NamedTuple):

@@ -32,7 +32,7 @@ class RoadUser(NamedTuple):
     `x`, `y` is the centre of the front bumper (m), `heading` in rad, `speed` in m/s, `lane_position` the front's arc
     length on the spine of `lane_id` (m). `route` holds the edges still to drive, the present one first (empty: unknown).
     `waiting_time` is how long it has been standing, s. `is_halted`: it visibly stays where it is (parked, broken down, at a
-    bus stop).
+    bus stop). `acceleration`: how it is seen to gain speed, m/s², negative while it brakes.
     """
 
     id: str
@@ -46,6 +46,7 @@ class RoadUser(NamedTuple):
     route: tuple[str, ...] = ()
     waiting_time: float = 0.0
     is_halted: bool = False
+    acceleration: float = 0.0
 
 
 Switches = Mapping[str, tuple[tuple[float, str], ...]]

@@ -26,7 +26,7 @@ from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-MOVE_CHANGE_S = 3.0
+MOVE_CHANGE_S = 2.1
 """What changing between forwards and backwards takes, with the wheels turned from lock to lock, s."""
 
 TURNAROUND_LEAD_M = 30.0

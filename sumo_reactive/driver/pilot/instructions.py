@@ -28,7 +28,7 @@ TUNINGS: dict[Instruction, Tuning] = {
     # behind X again soon: brake a third harder than in comfort, keep the whole headway
     Instruction.FALL_BACK: Tuning(_USUAL, VelocityProfile(deceleration=1.35)),
     Instruction.BACK_UP: Tuning(_USUAL, VelocityProfile(acceleration=0.4)),
-    Instruction.TURN_ROUND: Tuning(_USUAL, VelocityProfile(acceleration=0.6)),
+    Instruction.TURN_ROUND: Tuning(_USUAL, VelocityProfile(acceleration=0.8)),
     # a standing ego that finds no way down U looks at more commands, and C holds it less
     Instruction.WIDEN: Tuning(_WEAKENED, _CALM, wide_grid=True),
 }

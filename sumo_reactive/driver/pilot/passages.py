@@ -11,6 +11,7 @@ from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.regions import ConflictKind
 
 REGION_MARGIN_M = 0.5
 """Distance kept to a region when waiting inside a junction."""
@@ -26,7 +27,7 @@ class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
     `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
-    nowhere)."""
+    nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor."""
 
     number: int
     passage: Passage
@@ -36,6 +37,7 @@ class Crossing(NamedTuple):
     stop: float = math.inf
     turn: Turnaround | None = None
     wait_at: float | None = None
+    waits_in_the_way: frozenset[str] = frozenset()
 
     @property
     def line(self) -> float:
@@ -86,7 +88,10 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
         wait_at = _place_inside(connection, conflicts)
-        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
+        in_the_way = frozenset(conflict.other.id for conflict in conflicts if conflict.waits_in_the_way)
+        yield Crossing(
+            index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, waits_in_the_way=in_the_way
+        )
 
 
 @kept(PLANS_KEPT)
@@ -96,9 +101,15 @@ def _pace(plan: NominalPlan, first: int, last: int) -> float:
 
 
 def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:
-    """Return the waiting place (m of the path), moved back before the regions of those who go first that reach over it."""
+    """Return the waiting place (m of the path), moved back before the regions of those who go first, or whom no rule makes
+    wait, that reach over it."""
     wait = connection.wait_at
     if wait is None:
         return None
-    starts = (conflict.region.own.start for conflict in conflicts if conflict.must_yield)
+    starts = (conflict.region.own.start for conflict in conflicts if conflict.must_yield or _is_unruled(conflict))
     return min([wait, *(start - REGION_MARGIN_M for start in starts if start >= wait - WAIT_SHIFT_M)])
+
+
+def _is_unruled(conflict: Conflict) -> bool:
+    """Whether ways cross and no rule makes either wait: left turns towards each other that SUMO's map lets meet."""
+    return conflict.region.kind is ConflictKind.CROSSING and not conflict.is_yielded_to

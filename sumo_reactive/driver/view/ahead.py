@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
+from sumo_reactive.driver.view.corridor import band_of, blocking_ones
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lateral_conflict import SIDE_BY_SIDE_ANGLE
@@ -38,8 +41,24 @@ def _walked(
     for connection, regions in walk(graph, lanes):
         number = next((i for i in numbers if plan.passages[i].connection_id == connection.id), None)
         if number is not None:
-            found[number] = connection, conflicts_of(graph, connection, regions) + swept.get(number, ())
+            conflicts = conflicts_of(graph, connection, regions) + swept.get(number, ())
+            found[number] = connection, tuple(_against(conflict, plan, number, limits) for conflict in conflicts)
     return found
+
+
+def _against(conflict: Conflict, plan: NominalPlan, number: int, limits: VehicleLimits) -> Conflict:
+    """Return a conflict with whether somebody like the ego, who turns into its lane and waits for it, stands in its corridor
+    along C."""
+    wait, path, curve, passage = conflict.other.wait_at, conflict.other.path, plan.curve, plan.passages[number]
+    if wait is None or conflict.region.kind is not ConflictKind.MERGING or not conflict.is_yielded_to:
+        return conflict
+    (x, y), (first_x, first_y), first = path.at(wait), path.at(wait - limits.length), path.heading_at(0.0)
+    before = max(limits.length - wait, 0.0)  # his rear is on the lane that he comes from
+    heading = math.atan2(y - first_y + before * math.sin(first), x - first_x + before * math.cos(first))
+    box = np.array([(x, y, heading, 0.0, limits.length, limits.width)])
+    start, band = max(passage.start, 0.0), band_of(curve, limits)
+    which, _ = blocking_ones(box, curve.x, curve.y, curve.heading, curve.step, start, passage.end, *band)
+    return conflict._replace(waits_in_the_way=len(which) > 0)
 
 
 @kept(4096)

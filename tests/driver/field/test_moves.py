@@ -12,7 +12,7 @@ from sumo_reactive.driver.field.executor import BACK_UP_SPEED, back_up, execute
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
-from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, Move
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, WHEELS_TURNED_RAD, Move
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 
 ROAD = plan_along(straight())
@@ -52,7 +52,7 @@ def test_a_move_turns_the_car_to_its_end_at_walking_speed_and_stops_there(move, 
     assert min(gains) >= -CAR.comfort_deceleration * PERIOD - 1e-9
 
 
-@pytest.mark.parametrize("angle", [0.0, -0.6, 0.55])
+@pytest.mark.parametrize("angle", [0.0, -0.6, 0.29])
 def test_the_wheels_are_turned_first_at_a_stand(angle):
     command, state = moved(FORWARDS, standing(angle))
     assert state.speed == 0.0
@@ -72,6 +72,25 @@ def test_after_the_last_move_the_wheels_are_straightened_and_not_before():
     assert moved(last, standing(heading=over))[0].steering_rate == -CAR.max_steering_rate
     assert moved(other, standing(heading=over))[0].steering_rate == 0.0
     assert moved(last, standing(heading=0.5))[0].steering_rate == 0.0
+
+
+def test_the_last_move_rolls_out_with_its_wheels_straight_when_the_car_is():
+    states = carried_through(replace(FORWARDS, is_last=True, rolls_out=True), standing())
+    assert states[-1].pose.heading == pytest.approx(1.5, abs=0.03)
+    assert abs(states[-1].steering_angle) < WHEELS_TURNED_RAD
+    assert states[-1].speed == pytest.approx(MOVE_SPEED)
+    rates = [abs(b.steering_angle - a.steering_angle) / PERIOD for a, b in pairwise(states)]
+    assert max(rates) <= CAR.max_steering_rate + 1e-9
+
+
+@pytest.mark.parametrize(("rolls_out", "goes"), [(False, True), (True, False)])
+def test_who_rolls_out_looks_straight_on_beyond_the_end_of_the_move(rolls_out, goes):
+    move = replace(FORWARDS, is_last=True, rolls_out=rolls_out)
+    heading = 1.5 - 0.3 * BEND
+    x, y = 40.0 + (CAR.front_to_rear_axle + 0.7) * math.cos(1.5), (CAR.front_to_rear_axle + 0.7) * math.sin(1.5)
+    beyond = car_at("x", x + 4.7 * math.cos(1.5), y + 4.7 * math.sin(1.5), 1.5, 0.0)
+    before = standing(speed=1.0, heading=heading)
+    assert (moved(move, before, beyond)[1].speed > 1.0 - CAR.comfort_deceleration * PERIOD + 1e-6) is goes
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 from helpers.cars import CAR
 
 from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
@@ -99,7 +100,12 @@ def test_who_is_in_the_bend_already_drives_at_its_speed():
 
 
 def test_who_turns_round_is_everywhere_for_as_long_as_that_takes():
-    assert turning(to_start=12.0, speed=6.0, acceleration=2.0, duration=20.0) == pytest.approx((2.0, 22.0, 22.0, 0.0))
+    way = 12.0 + TURNAROUND_REACHED_M
+    assert turning(to_start=way, speed=6.0, acceleration=2.0, duration=20.0) == pytest.approx((2.0, 22.0, 22.0, 0.0))
+
+
+def test_who_stands_where_it_turns_round_is_in_the_regions_at_once():
+    assert turning(to_start=TURNAROUND_REACHED_M, speed=0.0, acceleration=2.0, duration=20.0).arrival == 0.0
 
 
 @pytest.mark.parametrize(("speed", "arrival"), [(1.5, 4.0), (0.2, 12.0)])

@@ -47,12 +47,13 @@ def test_moves_follow_one_another_each_from_a_stand_with_its_wheels_turned():
     assert 0.0 < turn.start - steps[first].snapshot.front < 1.5
     under_way = [step for step in steps if step.completed.move is not None]
     order = [step.completed.move for step in under_way]
-    assert [move for k, move in enumerate(order) if k == 0 or move is not order[k - 1]] == list(turn.moves)
+    moves = [*turn.moves[:2], replace(turn.moves[2], rolls_out=True)]
+    assert [move for k, move in enumerate(order) if k == 0 or move != order[k - 1]] == moves
     for step in under_way:
         move, after = step.completed.move, step.drive.ego
         assert -MOVE_BACK_SPEED - 1e-6 <= after.speed <= MOVE_SPEED + 1e-6
         assert after.speed * move.gear > -1e-6
-        if abs(after.speed) > 0.2:
+        if abs(after.speed) > 0.5 and not move.is_last:
             assert after.steering_angle == pytest.approx(move.steering_angle, abs=WHEELS_TURNED_RAD)
 
 
@@ -65,7 +66,17 @@ def test_after_the_last_move_the_pilot_asks_for_a_curve_on_the_lane_turned_into(
     ego_then = asked[0].snapshot.ego
     assert ego_then.pose.heading == pytest.approx(turn.moves[2].until, abs=0.03)
     assert abs(ego_then.steering_angle) < WHEELS_TURNED_RAD
-    assert abs(ego_then.speed) < STANDING_SPEED
+    assert ego_then.speed == pytest.approx(MOVE_SPEED)
+
+
+@pytest.mark.parametrize(("room", "rolls_out"), [(None, True), (2.0, False), (4.0, True)])
+def test_the_last_move_rolls_out_where_the_next_stop_leaves_room(room, rolls_out):
+    ego, turn = turning(1.0, 0.0)
+    stop = None if room is None else stop_at(turn.end + turn.into + room, Reason.RED_LIGHT)
+    for number, expected in ((1, False), (2, rolls_out)):
+        asked = turn_round(ego.seen(), ego.plan, stop, ego.memory._replace(move=(0, number)))
+        assert asked is not None
+        assert asked.move == replace(turn.moves[number], rolls_out=expected)
 
 
 def test_the_ego_does_not_begin_while_another_place_keeps_it_there():
@@ -124,9 +135,9 @@ def test_a_turn_that_is_over_or_given_up_within_a_coarse_step_is_not_begun_anew_
     traffic = ego.traffic(*users)
     coarse = Controller(ego.graph, CAR).step(replace(traffic, time=asks.snapshot.time), before_it.drive, 1.0)
     assert coarse.completed.request == asks.completed.request
-    assert coarse.completed.move is before_it.completed.move
+    assert coarse.completed.move == before_it.completed.move
     assert coarse.drive.memory.move is None
-    assert abs(coarse.drive.ego.speed) < STANDING_SPEED
+    assert coarse.drive.ego.speed == pytest.approx(0.0 if is_blocked else MOVE_SPEED, abs=STANDING_SPEED)
 
 
 def test_on_a_new_plan_no_move_of_the_old_one_is_under_way():

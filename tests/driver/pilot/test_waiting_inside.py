@@ -12,7 +12,8 @@ from helpers.turning_points import turns_at
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M
+from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, crossings
+from sumo_reactive.driver.view.ahead import passages_ahead
 
 SOUTH_NORTH, SOUTH_WEST = ("from_south", "to_north"), ("from_south", "to_west")
 GREEN = {"centre": "GGgrrrGGgrrr"}
@@ -90,3 +91,18 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
 def test_inside_a_junction_the_pilots_word_turns_over_at(name):
     holds, low, high, figure = ROWS[name]
     assert turns_at(holds, low, high) == pytest.approx(figure, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("must_yield", "is_yielded_to", "moves_back"), [(True, False, True), (False, False, True), (False, True, False)]
+)
+def test_a_left_turn_waits_before_those_who_go_first_or_whom_no_rule_makes_wait(must_yield, is_yielded_to, moves_back):
+    ego = turning_left()
+    snapshot = ego.seen()
+    (number, connection, conflicts), *_ = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
+    drawn = to_its_place()
+    met = next(c for c in conflicts if c.must_yield and drawn < c.region.own.start < drawn + REGION_MARGIN_M)
+    ahead = ((number, connection, (met._replace(must_yield=must_yield, is_yielded_to=is_yielded_to),)),)
+    (way,) = crossings(snapshot, ego.plan, ahead)
+    place = met.region.own.start - REGION_MARGIN_M if moves_back else drawn
+    assert way.wait_at == pytest.approx(place)

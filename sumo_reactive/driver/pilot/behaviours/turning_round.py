@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
@@ -14,6 +15,9 @@ from sumo_reactive.driver.pilot.behaviours.cautious import approach
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import reach_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+
+ROLLING_OUT_M = 3.0
+"""With this much way to the next place to stop the ego rolls on from the last move: what it stops in from there."""
 
 
 class Turning(NamedTuple):
@@ -62,13 +66,22 @@ def turn_round(
             return None
         if not _may_begin(snapshot, plan.turnarounds[number], stop):
             return None
-        return _driven(plan, number, 0, memory)
-    turn, move = memory.move
-    moves = plan.turnarounds[turn].moves
+        return _driven(plan.turnarounds[number], stop, (number, 0), memory)
+    number, move = memory.move
+    turn = plan.turnarounds[number]
+    now = _move(turn, move, stop)
     if is_stuck:
         decision = Decision(Behaviour.TURNING_ROUND, Reason.NO_PROGRESS, passes=True)
-        return Turning(moves[move], decision, Request(Replanning.CURVE), memory._replace(move=None))
-    return _driven(plan, turn, move + moves[move].is_over(snapshot.ego), memory)
+        return Turning(now, decision, Request(Replanning.CURVE), memory._replace(move=None))
+    return _driven(turn, stop, (number, move + now.is_over(snapshot.ego)), memory)
+
+
+def _move(turn: Turnaround, number: int, stop: TimeConstraint | None) -> Move:
+    """Return a move of a turn: the last one rolls out where the next `stop` leaves room."""
+    move = turn.moves[number]
+    if not move.is_last or (stop is not None and stop.s < turn.end + turn.into + ROLLING_OUT_M):
+        return move
+    return replace(move, rolls_out=True)
 
 
 def _next(snapshot: Snapshot, plan: NominalPlan) -> int | None:
@@ -82,15 +95,14 @@ def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: TimeConstraint | None
     return stop is None or stop.s > turn.end + turn.into
 
 
-def _driven(plan: NominalPlan, number: int, move: int, memory: PilotMemory) -> Turning:
-    """Return the orders for a move of a turn; after the last one, at whose end the ego stands until then, for a curve from
-    the lane turned into."""
-    turn = plan.turnarounds[number]
+def _driven(turn: Turnaround, stop: TimeConstraint | None, at: tuple[int, int], memory: PilotMemory) -> Turning:
+    """Return the orders for a turn `at` a move (the turn's number and the move's); after the last one for a curve from the
+    lane turned into, for which the last move goes on until then."""
     decision = Decision(Behaviour.TURNING_ROUND, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
-    if move < len(turn.moves):
-        return Turning(turn.moves[move], decision, Request(), memory._replace(move=(number, move)))
+    if at[1] < len(turn.moves):
+        return Turning(_move(turn, at[1], stop), decision, Request(), memory._replace(move=at))
     after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
-    return Turning(turn.moves[-1], decision, after, memory._replace(move=None))
+    return Turning(_move(turn, -1, stop), decision, after, memory._replace(move=None))
 
 
 def is_in_reach(snapshot: Snapshot, plan: NominalPlan) -> bool:

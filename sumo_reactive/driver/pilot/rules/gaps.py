@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import Parameters
@@ -70,8 +71,8 @@ def passing(to_region: float, to_clear: float, speed: float, top_speed: float, l
 
 def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:
     """Foresee an ego that turns round in several moves, `to_start` m ahead: it is in every region for all of the `duration`
-    (s)."""
-    arrival = travel_time(to_start, speed, acceleration, max(speed, 1.0))
+    (s), from when it has come so near that it begins."""
+    arrival = travel_time(to_start - TURNAROUND_REACHED_M, speed, acceleration, max(speed, 1.0))
     return Passing(arrival, arrival + duration, arrival + duration, 0.0)
 
 

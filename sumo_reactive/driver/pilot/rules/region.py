@@ -51,6 +51,12 @@ the ego's way is moved aside by as much. An ego that stands or creeps so little 
 OFF_THE_LINE_M = 1.5
 """A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
 
+STOPS_WITHIN_M = 0.5
+"""A foe is trusted to stop if it is seen to brake so that it stands no farther than this behind the place to wait…"""
+
+BRAKES_SHARE = 1.05
+"""…braking this much harder towards the end: SUMO's cars brake late, and with just the 4.5 m/s² that is theirs."""
+
 ENTERING_M = 6.0
 """Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
 
@@ -175,7 +181,7 @@ def judge(
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    if _gives_way(foe, committed, snapshot.parameters):
+    if _gives_way(foe, committed, crossing, snapshot.parameters):
         return None
     p, speed = snapshot.parameters, snapshot.ego.speed
     own = passing(to_region, to_clear, speed, crossing.pace, limits)
@@ -318,7 +324,7 @@ def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
     return letter in "gG" if letter else foe.conflict.must_yield
 
 
-def _gives_way(foe: Foe, committed: bool, parameters: Parameters) -> bool:
+def _gives_way(foe: Foe, committed: bool, crossing: Crossing, parameters: Parameters) -> bool:
     """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
     conflict, user = foe.conflict, foe.user
     if user.body.is_person:
@@ -333,8 +339,12 @@ def _gives_way(foe: Foe, committed: bool, parameters: Parameters) -> bool:
     if all_way and not committed and (user.speed < STANDING_SPEED or foe.to_stop_line < OFF_THE_LINE_M):
         return False  # it stopped before the ego, see `_can_come`, or is already leaving its line
     room = _room_to_wait(foe)
+    if not committed and conflict.other.id in crossing.waits_in_the_way:
+        return False  # each would wait for the other there
     if room is None:
         return False
+    if user.speed * user.speed <= 2.0 * BRAKES_SHARE * max(-user.acceleration, 0.0) * (room + STOPS_WITHIN_M):
+        return True
     stops = all_way and foe.to_stop_line >= 0.0
     trusted = parameters.sign_stop_deceleration if stops else parameters.foe_can_stop_deceleration
     return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)

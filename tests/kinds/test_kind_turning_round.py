@@ -1,0 +1,60 @@
+"""Kinds of turns back on the road that the ego came on, which SUMO's own driver makes on the spot."""
+
+from __future__ import annotations
+
+import pytest
+from kinds import Net, Run, car, cross, driven, edge, node, stream
+
+TURN_S = 14.5
+"""What a turn in three moves may cost beside one on the spot, braking before it and gaining speed behind it included, s."""
+
+
+def tee() -> Net:
+    """Return a road from a to b, which a main road from n to s meets there."""
+    nodes = node("a", 0, 0) + node("b", 120, 0) + node("n", 120, 100) + node("s", 120, -100)
+    roads = "".join(edge(ends, priority=5) for ends in ("nb", "bs", "sb", "bn")) + edge("ab") + edge("ba")
+    return Net(nodes, roads, options=())
+
+
+def small() -> Net:
+    """Return a crossing without room to spare, where one may turn round."""
+    drawn = cross()
+    return Net(drawn.nodes, drawn.edges, options=("--default.junctions.radius", "1.5"))
+
+
+def lost(run: Run) -> float:
+    """How much longer the ego takes than SUMO's own driver, s."""
+    return run.ego.duration - run.own.duration
+
+
+def test_a_turn_in_several_moves_takes_no_longer_than_it_must(tmp_path):
+    run = driven(tmp_path, tee(), car("ego", "ab ba"))
+    assert run.complaints(slower=9.0) == []
+    assert lost(run) < TURN_S
+
+
+@pytest.mark.parametrize("late", [0.0, 0.4, 0.8, 1.2, 1.6])
+def test_the_ego_does_not_begin_to_turn_before_who_is_in_the_way_has_left(tmp_path, late):
+    crossing = stream("x", "sb ba", [2.0 + late + 4.0 * k for k in range(3)])
+    run = driven(tmp_path, tee(), car("ego", "ab ba"), crossing, until=90)
+    assert run.complaints(slower=9.0) == []
+
+
+@pytest.mark.parametrize("late", [-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
+def test_who_turns_round_and_waits_in_the_middle_is_let_go_before_the_ego_turns_into_his_lane(tmp_path, late):
+    run = driven(tmp_path, small(), car("ego", "nc ce", 1), car("x", "ec ce", 1 + late))
+    assert run.complaints(slower=3.0) == []
+
+
+@pytest.mark.parametrize("late", [-1.0, 0.0, 1.0])
+def test_an_oncoming_left_turner_who_brakes_for_his_place_to_wait_is_not_braked_for(tmp_path, late):
+    run = driven(tmp_path, cross(), car("ego", "wc ce", 2), car("x", "ec cs", 2 + late))
+    assert run.complaints(slower=1.2) == []
+    assert run.ego.slowest("wc") > 11.0
+
+
+@pytest.mark.parametrize("late", [-1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+def test_two_who_turn_left_towards_each_other_do_not_meet(tmp_path, late):
+    through = stream("y", "ec cw", [0.0, 1.5])
+    run = driven(tmp_path, small(), car("ego", "wc cn", 0), through, car("x", "ec cs", 3.0 + late))
+    assert run.complaints(slower=3.0) == []
