@@ -26,7 +26,7 @@ class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
     `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
-    nowhere)."""
+    nowhere). `swing`: how far before the stop line the body begins to swing over others' ways, m."""
 
     number: int
     passage: Passage
@@ -36,12 +36,13 @@ class Crossing(NamedTuple):
     stop: float = math.inf
     turn: Turnaround | None = None
     wait_at: float | None = None
+    swing: float = 0.0
 
     @property
     def line(self) -> float:
-        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, or as
-        a turn in several moves begins."""
-        line = self.passage.start - self.connection.hold_back
+        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, as
+        the body swings over theirs, or as a turn in several moves begins."""
+        line = self.passage.start - max(self.connection.hold_back, self.swing)
         return line if self.turn is None else min(line, self.turn.start)
 
     def at(self, path_length: float) -> float:
@@ -86,13 +87,20 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
         wait_at = _place_inside(connection, conflicts)
-        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at)
+        swing = _swing(conflicts)
+        yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, swing=swing)
 
 
 @kept(PLANS_KEPT)
 def _pace(plan: NominalPlan, first: int, last: int) -> float:
     """Return the lowest speed limit of the samples `first` to `last` of C, m/s."""
     return float(plan.speed_limits[first:last].min())
+
+
+def _swing(conflicts: tuple[Conflict, ...]) -> float:
+    """Return how far before the stop line (m) the body, alone, begins to be in others' ways."""
+    alone = (conflict for conflict in conflicts if not conflict.must_yield and not conflict.is_yielded_to)
+    return max((REGION_MARGIN_M - c.region.own.start for c in alone if c.region.own.start < 0.0), default=0.0)
 
 
 def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:
