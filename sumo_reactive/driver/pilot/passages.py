@@ -87,7 +87,7 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
         turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
         wait_at = _place_inside(connection, conflicts)
-        swing = _swing(conflicts)
+        swing = _swing(connection, conflicts)
         yield Crossing(index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, swing=swing)
 
 
@@ -97,10 +97,10 @@ def _pace(plan: NominalPlan, first: int, last: int) -> float:
     return float(plan.speed_limits[first:last].min())
 
 
-def _swing(conflicts: tuple[Conflict, ...]) -> float:
-    """Return how far before the stop line (m) the body, alone, begins to be in others' ways."""
-    alone = (conflict for conflict in conflicts if not conflict.must_yield and not conflict.is_yielded_to)
-    return max((REGION_MARGIN_M - c.region.own.start for c in alone if c.region.own.start < 0.0), default=0.0)
+def _swing(connection: Connection, conflicts: tuple[Conflict, ...]) -> float:
+    """Return how far before the stop line (m) the body begins to be in others' ways, where no way of the map reaches."""
+    places = (conflict.region.own.start for conflict in conflicts)
+    return max((REGION_MARGIN_M - place for place in places if place < -connection.hold_back), default=0.0)
 
 
 def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:
