@@ -42,3 +42,13 @@ def test_a_trailer_lets_those_go_whose_line_it_cuts_over(tmp_path, kind, way, fi
     others = stream("x", way, [first + 4 * k for k in range(4)])
     run = driven(tmp_path, net, car("ego", "wc cn", type="trailer"), others, extra=LONG, until=120)
     assert run.complaints(slower=2.5) == []
+
+
+@pytest.mark.parametrize("kind", ["long", "trailer"])
+@pytest.mark.parametrize("angle", [135, 150])
+@pytest.mark.parametrize(("gap", "first"), [(4, 0), (4, 1.4), (8, 1), (12, 2)])
+def test_who_swings_out_before_its_line_waits_on_its_own_lane_for_those_who_come_out(tmp_path, kind, angle, gap, first):
+    """At its line it would stand across the lane by which they leave the junction; a gap of 8 s is too small for some."""
+    others = stream("x", "nb ba", [first + gap * k for k in range(7)])
+    run = driven(tmp_path, fork(angle), car("ego", "ab be", type=kind), others, extra=LONG, until=120)
+    assert run.complaints(slower=5) == []

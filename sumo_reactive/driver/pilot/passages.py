@@ -27,7 +27,8 @@ class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
     `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
-    nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor."""
+    nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor. `swing`: how far before
+    the stop line the body begins to swing over others' ways, m."""
 
     number: int
     passage: Passage
@@ -38,12 +39,13 @@ class Crossing(NamedTuple):
     turn: Turnaround | None = None
     wait_at: float | None = None
     waits_in_the_way: frozenset[str] = frozenset()
+    swing: float = 0.0
 
     @property
     def line(self) -> float:
-        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, or as
-        a turn in several moves begins."""
-        line = self.passage.start - self.connection.hold_back
+        """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, as
+        the body swings over theirs, or as a turn in several moves begins."""
+        line = self.passage.start - max(self.connection.hold_back, self.swing)
         return line if self.turn is None else min(line, self.turn.start)
 
     def at(self, path_length: float) -> float:
@@ -90,14 +92,21 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         wait_at = _place_inside(connection, conflicts)
         in_the_way = frozenset(conflict.other.id for conflict in conflicts if conflict.waits_in_the_way)
         yield Crossing(
-            index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, waits_in_the_way=in_the_way
-        )
+            index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, waits_in_the_way=in_the_way,
+            swing=_swing(connection, conflicts),
+        )  # fmt: skip
 
 
 @kept(PLANS_KEPT)
 def _pace(plan: NominalPlan, first: int, last: int) -> float:
     """Return the lowest speed limit of the samples `first` to `last` of C, m/s."""
     return float(plan.speed_limits[first:last].min())
+
+
+def _swing(connection: Connection, conflicts: tuple[Conflict, ...]) -> float:
+    """Return how far before the stop line (m) the body begins to be in others' ways, where no way of the map reaches."""
+    places = (conflict.region.own.start for conflict in conflicts)
+    return max((REGION_MARGIN_M - place for place in places if place < -connection.hold_back), default=0.0)
 
 
 def _place_inside(connection: Connection, conflicts: tuple[Conflict, ...]) -> float | None:

@@ -43,11 +43,12 @@ class _Bodies(NamedTuple):
 
 
 class _OtherWay(NamedTuple):
-    """The line that others by `connection` drive, from `before` m before their stop line on."""
+    """The line that others by `connection` drive, from `before` m before their stop line on (negative: behind it)."""
 
     connection: Connection
     line: Any
     before: float
+    mark: str = "~"
 
 
 @kept(PLANS_KEPT)
@@ -71,17 +72,19 @@ def _conflicts(
     if bodies is None:
         return
     line = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
-    ground = shapely.box(*shapely.total_bounds(bodies.boxes))
+    ground = shapely.buffer(shapely.box(*shapely.total_bounds(bodies.boxes)), 0.5 * SWEPT_WIDTH_M)
     known = {region.other_id for region in graph.regions_on(own)}
+    oncoming = {lane.id for lane in graph.oncoming(road_of(own.from_lane))}
     for other in junction.connections:
         if other.is_crossing or road_of(other.from_lane) == road_of(own.from_lane):
             continue
-        way = _other_way(graph, other, at_line=other.id in known)
-        if not ground.intersects(way.line) or line.distance(way.line) < SWEPT_WIDTH_M:
-            continue  # not near, or ways that lie over each other: the map's own affair
-        region = _region(own, way, passage, bodies, limits.length)
-        if region is not None:
-            yield Conflict(region, other, must_yield=False, is_yielded_to=False)
+        ways = [_other_way(graph, other, at_line=other.id in known)]
+        if line.distance(ways[0].line) < SWEPT_WIDTH_M:
+            ways = []  # ways that lie over each other: the map's own affair
+        ways += [_way_out(graph, other)] if other.to_lane in oncoming else []
+        near = (way for way in ways if ground.intersects(way.line))
+        regions = (_region(own, way, passage, bodies, limits.length) for way in near)
+        yield from (Conflict(one, other, must_yield=False, is_yielded_to=False) for one in regions if one is not None)
 
 
 def _bodies(plan: NominalPlan, passage: Passage, limits: VehicleLimits) -> _Bodies | None:
@@ -114,6 +117,11 @@ def _other_way(graph: RoadGraph, other: Connection, *, at_line: bool) -> _OtherW
     return _OtherWay(other, shapely.linestrings(joined(parts)), before)
 
 
+def _way_out(graph: RoadGraph, other: Connection) -> _OtherWay:
+    """Return the lane that others by `other` come out of the junction on: who swings out before his line is in their way."""
+    return _OtherWay(other, shapely.linestrings(graph.lanes[other.to_lane].spine.points), -other.path.length, "~~")
+
+
 def _region(own: Connection, way: _OtherWay, passage: Passage, bodies: _Bodies, length: float) -> ConflictRegion | None:
     """Return where the body meets a car on another way; None: nowhere."""
     band = shapely.buffer(way.line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
@@ -124,7 +132,7 @@ def _region(own: Connection, way: _OtherWay, passage: Passage, bodies: _Bodies, 
     corners = shapely.points(shapely.get_coordinates(met))
     along = shapely.line_locate_point(way.line, corners) - way.before
     start, end = (_inside(float(front), passage, own) for front in (bodies.fronts[at[0]], bodies.fronts[at[-1]] - length))
-    other, region_id = way.connection, f"{own.id}~{way.connection.id}"
+    other, region_id = way.connection, f"{own.id}{way.mark}{way.connection.id}"
     return ConflictRegion(
         region_id, ConflictKind.CROSSING, own.id, other.id, Interval(start, max(start, end)),
         Interval(float(along.min()), float(along.max())),

@@ -384,7 +384,7 @@ def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, l
     line = crossing.line
     if conflict.region.own.start < 0.0 and snapshot.front > line:
         return inside if inside is not None and inside >= stops else None  # on it already: off it
-    if crossing.connection.hold_back > 0.0 and snapshot.front <= crossing.passage.start:
+    if max(crossing.connection.hold_back, crossing.swing) > 0.0 and snapshot.front <= crossing.passage.start:
         line = min(max(line, stops), crossing.passage.start)  # too late for it: as soon as can be
     places = [line] if inside is None else [inside, line]
     if snapshot.front > crossing.passage.start:
