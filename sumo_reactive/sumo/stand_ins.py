@@ -10,7 +10,7 @@ import libsumo
 
 from sumo_reactive.driver.driving import segment_at
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
-from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
@@ -62,7 +62,7 @@ class Occupant(NamedTuple):
 class OccupiedLane(NamedTuple):
     """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives.
 
-    `waits`: it does not appear where somebody already is.
+    `waits`: it does not appear where somebody already is; `ways`: nor while somebody drives there, on that lane or these.
     """
 
     lane: Lane
@@ -71,6 +71,7 @@ class OccupiedLane(NamedTuple):
     speed: float
     edges: tuple[str, ...]
     waits: bool = False
+    ways: tuple[str, ...] = ()
 
 
 def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = math.inf) -> OccupiedLane | None:
@@ -142,12 +143,18 @@ def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> Occup
 
 def ahead_of_mapping(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
     """Return where to show an ego that turns round in several moves, on the lane that it turns into; None: SUMO maps it to
-    that lane. `edges`: its route from there on."""
+    that lane. `edges`: its route from there on.
+
+    Before its front comes there, who is on his way through the junction to that lane is let pass: he would brake hard, and
+    might come to a stand where the ego has to go.
+    """
     own, into = by.graph.lanes[turn.from_lane].spine, by.graph.lanes[turn.to_lane]
     if abs(own.project(*by.front)[1]) > abs(into.spine.project(*by.front)[1]):
         return None
     rear = min(into.spine.project(*place)[0] for place in (by.front, by.behind_front(by.limits.length)))
-    return OccupiedLane(into, *into.spine.at(rear + by.limits.length), 0.0, edges)
+    is_there = into.reaches(*by.front, by.limits.width)
+    ways = [part for way in by.graph.ways_into(into.id) for part in (way.from_lane, *way.parts) if not is_there]
+    return OccupiedLane(into, *into.spine.at(rear + by.limits.length), 0.0, edges, waits=True, ways=tuple(ways))
 
 
 def _swung_out(by: Occupant, own: Lane, edges: tuple[str, ...]) -> OccupiedLane:
@@ -243,12 +250,14 @@ class StandIns:
         if place is None:
             self.hide()
             return
-        lane, x, y, speed, edges, waits = place
+        lane, x, y, speed, edges, waits, ways = place
         s, _ = lane.spine.project(x, y)
         if self._present and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._present:
             if waits and _is_taken(lane, s / lane.scale, libsumo.vehicle.getLength(self._ego_id)):
+                return
+            if ways and (self._is_driven(lane.id, s / lane.scale) or any(self._is_driven(way) for way in ways)):
                 return
             self._edges = edges
         try:
@@ -266,6 +275,17 @@ class StandIns:
             with contextlib.suppress(libsumo.TraCIException):  # SUMO has already taken it off the road
                 libsumo.vehicle.remove(self._present, _VAPORIZED)
             self._present = ""
+
+    def _is_driven(self, lane_id: str, end: float = math.inf) -> bool:
+        """Whether somebody else than the ego moves on a lane before `end`, m on it, and on one before a junction is too near
+        to stop there with half his usual braking."""
+        vehicle, is_inside = libsumo.vehicle, end < math.inf or lane_id.startswith(":")
+        for one in set(libsumo.lane.getLastStepVehicleIDs(lane_id)) - {self._ego_id}:
+            speed, at = vehicle.getSpeed(one), vehicle.getLanePosition(one)
+            braking_way = math.inf if is_inside else speed * speed / vehicle.getDecel(one)
+            if speed > STANDING_SPEED and at < end and libsumo.lane.getLength(lane_id) - at < braking_way:
+                return True
+        return False
 
     def _create(self, lane: Lane, position: float, speed: float, edges: tuple[str, ...]) -> None:
         if not self.made:

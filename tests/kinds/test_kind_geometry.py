@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from kinds import Net, car, cross, driven, edge, node, road, sort, stream
+from kinds import Net, car, cross, driven, edge, link, node, road, sort, stream
 
 SQUARE = "".join(node(name, x, y) for name, x, y in (("a", 0, 0), ("b", 60, 0), ("c", 60, 60), ("d", 0, 60)))
 
@@ -58,6 +58,17 @@ def test_a_van_turns_round_at_a_dead_end_with_another_behind_it(tmp_path, left_h
     vehicles = car("ego", "ab ba", type="van"), car("x", "ab ba", 2), car("y", "ab ba", 4)
     run = driven(tmp_path, net, *vehicles, extra=van, until=120)
     assert run.complaints(slower=2.2) == []
+    assert all(moment.lane for moment in run.ego.moments)
+
+
+@pytest.mark.parametrize("depart", [2.0, 2.5, 4.0])
+def test_who_drives_onto_the_lane_turned_into_is_let_pass_before_the_ego_turns_round(tmp_path, depart):
+    nodes = node("a", 0, 0) + node("b", 80, 0) + node("c", 170, 0)
+    ways = "".join(edge(ends) for ends in ("ab", "ba", "bc", "cb"))
+    net = Net(nodes, ways, rules=link("ab ba") + link("ab bc") + link("cb ba"))
+    others = stream("x", "cb ba", [depart, depart + 2, depart + 4])
+    run = driven(tmp_path, net, car("ego", "ab ba", 2), others, until=120)
+    assert run.complaints(slower=3.0) == []
     assert all(moment.lane for moment in run.ego.moments)
 
 

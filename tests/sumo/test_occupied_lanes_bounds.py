@@ -261,4 +261,5 @@ def test_ahead_of_mapping_the_stand_in_has_its_rear_where_the_body_is_farthest_b
         assert seen is None
         return
     east = max(200.0, 200.0 - 4.7 * math.cos(heading)) if front is None else front + 4.7
-    assert seen == OccupiedLane(road.lanes["ba_0"], pytest.approx(east - 4.7), pytest.approx(1.6), 0.0, ("ba",))
+    place = pytest.approx(east - 4.7), pytest.approx(1.6)
+    assert seen == OccupiedLane(road.lanes["ba_0"], *place, 0.0, ("ba",), waits=True)
