@@ -219,8 +219,8 @@ def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[ParallelLane]:
     number = choice.stage_at(segment.route_index, segment.lane_offset / own.scale)
     lanes, onward = choice.stages[number].lanes, choice.onward[number]
     for index in (own.index + 1, own.index - 1):
-        if not 0 <= index < len(lanes) or onward[index].cost == math.inf:
-            continue
+        if not 0 <= index < len(lanes) or math.inf in (onward[index].cost, onward[own.index].cost):
+            continue  # one of them does not lead on; C may end before it has left its own
         if may_change(own, lanes[index], choice.vehicle_class, left_hand):
             side = -1 if (index > own.index) == left_hand else 1
             cost = 1.0 + onward[index].cost - onward[own.index].cost

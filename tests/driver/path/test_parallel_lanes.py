@@ -2,7 +2,8 @@
 
 from planner_roads import CAR, graph, road, start_on
 
-from sumo_reactive.driver.nouns.plan import ParallelLane
+from sumo_reactive.driver.nouns.plan import LaneSegment, ParallelLane
+from sumo_reactive.driver.path.lane_choice import choose_lanes, parallel_lanes
 from sumo_reactive.driver.path.planner import plan
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
@@ -31,6 +32,12 @@ def test_a_lane_that_leads_on_as_well_costs_the_change_to_it() -> None:
 
 def test_a_lane_that_has_to_be_left_again_before_the_junction_is_none() -> None:
     assert ways(world(("a_1", "b_1")), "a_1", ABC) == ()
+
+
+def test_there_is_none_where_c_ends_on_a_lane_that_it_still_has_to_leave() -> None:
+    made = world(("a_1", "b_1"))
+    choice = choose_lanes(made, ABC, "passenger")
+    assert parallel_lanes(choice, (LaneSegment("a_0", 0.0, 100.0, 0.0, 0),)) == {}
 
 
 def test_a_change_that_has_to_be_made_back_later_is_counted() -> None:
