@@ -30,7 +30,7 @@ HEAD_STANDS_S = 2.0
 HALTS_S = 20.0
 """Who has halted is expected to stay for no less: a bus at its stop does."""
 
-SWING_OUT_M = 6.0
+SWING_OUT_M = 7.0
 """Room behind somebody who stands that a car needs to leave the lane past him; `halted_room_m` is what it keeps if it
 can."""
 
