@@ -278,6 +278,11 @@ def _kinds(folder: Path) -> Iterator[tuple[str, Scenario]]:
     rude = k.sort("rude", jmIgnoreFoeProb=1, jmIgnoreFoeSpeed=100, jmIgnoreJunctionFoeProb=1, jmTimegapMinor=0)
     takes = k.stream("x", "sc cn", [1, 3.5, 6, 8.5, 11], type="rude")
     yield _kind(k, folder, "right of way taken from it", k.cross(), rude, takes, k.car("ego", "wc ce", 3))
+    two_ways = k.Net(k.node("a", 0, 0) + k.node("b", 600, 0), k.edge("ab") + k.edge("ba"))
+    sorts = k.sort("slow", maxSpeed=6, sigma=0) + k.sort("fast", maxSpeed=30, accel=4, speedFactor=1.3)
+    slow = k.car("x", "ab", 0, type="slow", departPos=60, departSpeed=6)
+    starts = k.standing("y", "ba", "ba_0", 300, 10, type="fast")
+    yield _kind(k, folder, "pass given up", two_ways, sorts, slow, starts, k.car("ego", "ab", 2))
     dead_end = k.Net(k.node("a", 0, 0) + k.node("b", 100, 0), k.edge("ab") + k.edge("ba"), options=())
     yield _kind(k, folder, "turning round", dead_end, k.car("ego", "ab ba"))
 

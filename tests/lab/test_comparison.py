@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from sumo_reactive.driver.controller import Profile
+from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.comparison.comparison import EGO_METRICS, OTHERS_METRICS, Comparison, Pair, Side, compare
 from sumo_reactive.lab.comparison.network_effects import Arrival, NetworkEffects
@@ -148,7 +148,7 @@ def test_both_runs_play_the_same_traffic_to_the_same_time(small):
 
 
 def test_a_run_whose_ego_is_still_under_way_at_the_horizon_ends_when_the_other_does(tmp_path):
-    slow = replace(load_scenario(FOUR_WAY), profile=Profile.PAPER)  # takes 34.4 s, SUMO's own driver 33.5 s
+    slow = replace(load_scenario(FOUR_WAY), parameters=Parameters(gap_before_s=6.0))  # waits; SUMO's own takes 33.5 s
     ends, scenario = [], replace(slow, until_end=True, horizon_s=33.6)
     for run in (run_sumo_driver, run_trial):
         totals = tmp_path / f"{run.__name__}.xml"

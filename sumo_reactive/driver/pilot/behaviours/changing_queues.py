@@ -102,14 +102,16 @@ def _cost(queue: Queue, go: float, parameters: Parameters) -> float:
 def _stuck_for(queue: Queue, go: float) -> float:
     """Return how long (s) the head of what does not move in the queue has stood though it may go; 0: it has not.
 
-    Who has halted does not wait; for how long he has held up the others, those behind him tell.
+    Who has halted does not wait; for how long he has held up the others, those behind him tell. With nobody between, he is
+    passed, not his queue left.
     """
     head = _head(queue)
     if head is None:
         return 0.0
     waited = head.user.waiting_time
     if head.user.is_halted:
-        waited = max(HALTS_S, *(one.user.waiting_time for one in queue.users if one.ahead < head.ahead), 0.0)
+        behind = [one.user.waiting_time for one in queue.users if one.ahead < head.ahead]
+        waited = max(HALTS_S, *behind) if behind else 0.0
     waited = min(waited, go)
     return waited if waited > HEAD_STANDS_S else 0.0
 
