@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from helpers.situations import Situation
 from sumo_reactive.driver.controller import Step
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
@@ -82,7 +84,8 @@ def _foreseen(completed: CompletedPlan, origin: float) -> list[str]:
 def _rests_on(memory: PilotMemory) -> list[str]:
     premises = memory.premises
     assert premises is not None
-    said = [name for name in premises._fields if getattr(premises, name) is True]
+    flags = {name: value for name, value in premises._asdict().items() if isinstance(value, bool | np.bool_)}
+    said = [name for name, value in flags.items() if value]
     lines = [_words("rests on", *sorted(premises.heeded), "for", premises.trusted_until - premises.time, *said)]
     lines.append(_words(len(premises.regions), "can be reached, stages", *(tuple(map(int, one)) for one in premises.stages)))
     lines.append(_words("may go by", *memory.released, *memory.yellows, "stopped at", memory.stopped_at))
