@@ -32,8 +32,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from digests import Processes
 from roads.trips import Order, Run, Trip
 
-from sumo_reactive.driver.field.executor import NUMBERS
-from sumo_reactive.driver.nouns.decision import Instruction
+from sumo_reactive.driver.nouns.decision import INSTRUCTION_NUMBERS, Instruction
 from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.lab.runner import Runner
 from sumo_reactive.lab.task import Ending
@@ -71,7 +70,7 @@ class Search(NamedTuple):
     def parameters(self, powers: Sequence[float]) -> Parameters:
         """Return the driver's with the coefficients multiplied by these powers of two."""
         changed = {name: getattr(USUAL, name) * 2.0**power for name, power in zip(self.names, powers, strict=True)}
-        number = 0.0 if self.instruction is None else NUMBERS[self.instruction]
+        number = 0.0 if self.instruction is None else INSTRUCTION_NUMBERS[self.instruction]
         return replace(USUAL, shares_of=number, **changed)
 
 

@@ -9,7 +9,7 @@ import pytest
 from helpers.programs import TOOLS, run_tool
 from helpers.tools import tool
 
-from sumo_reactive.driver.nouns.decision import Instruction
+from sumo_reactive.driver.nouns.decision import INSTRUCTION_NUMBERS, Instruction
 from sumo_reactive.driver.parameters import USUAL
 
 sys.path.insert(0, str(TOOLS))
@@ -40,7 +40,7 @@ def test_a_search_varies_its_coefficients_about_their_values_and_for_its_instruc
         "valley_share": 2.0, "valley_attraction": 0.5 * USUAL.valley_attraction, "shadow_scale": 4.0 * USUAL.shadow_scale
     }  # fmt: skip
     one = tune.Search(Instruction.STOP, tune.WEIGHTS).parameters([0.0, 1.0])
-    assert one.varied == {"shadow_share": 2.0, "shares_of": tune.NUMBERS[Instruction.STOP]}
+    assert one.varied == {"shadow_share": 2.0, "shares_of": INSTRUCTION_NUMBERS[Instruction.STOP]}
 
 
 def test_the_least_cost_is_found_within_the_bounds(tune, monkeypatch):

@@ -36,6 +36,10 @@ class Instruction(Enum):
     WIDEN = "search more commands"
 
 
+INSTRUCTION_NUMBERS = {instruction: float(number) for number, instruction in enumerate(Instruction, 1)}
+"""Instructions by their number, as `Parameters.shares_of` has them."""
+
+
 class Reason(Enum):
     """Why the ego may not go on, or goes on although something speaks against it."""
 

@@ -7,7 +7,8 @@ import pytest
 from helpers.cars import CAR, car_at
 from helpers.curves import asked, driven, on_curve, plan_along, seen, straight
 
-from sumo_reactive.driver.field.executor import COARSE_STOP_MARGIN_M, desired_speed, execute, room_to_brake
+from sumo_reactive.driver.field.desired_speed import desired_speed, room_to_brake
+from sumo_reactive.driver.field.executor import COARSE_STOP_MARGIN_M, execute
 from sumo_reactive.driver.field.velocity import cruise_speed
 from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
