@@ -224,7 +224,7 @@ def _record(
         command_acceleration=execution.command.acceleration, command_steering_rate=execution.command.steering_rate,
         desired_speed=execution.desired_speed, stop_s=completed.stop.s if completed.stop else math.nan,
         u=potentials.total, u1=potentials.valley, u2=potentials.shadow, u3=potentials.velocity,
-        leader=leader.user_id if leader else "", gap=leader.s - snapshot.front if leader else math.nan,
+        leader=leader.behind if leader else "", gap=leader.s - snapshot.front if leader else math.nan,
         behaviour=completed.behaviour.value, instruction=completed.instruction.value, pilot=bool(completed.events),
         emergency=execution.emergency, hazard=execution.hazard, asked=step.asked, decisions=completed.decisions,
         events=completed.events, assessment=completed.assessment, regions=completed.regions, light=light,
@@ -236,5 +236,5 @@ def _reason(step: Step) -> str:
     """Say in a few words why the ego stands."""
     said = [d for d in step.completed.decisions if not d.passes]
     reasons = [f"{d.reason.value} by {d.cause}" if d.cause else d.reason.value for d in said]
-    reasons += [f"behind {leader.user_id}" for leader in step.snapshot.leaders[:1]]
+    reasons += [f"behind {leader.behind}" for leader in step.snapshot.leaders[:1]]
     return "; ".join(reasons) or "for no reason"

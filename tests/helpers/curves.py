@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Tun
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
+from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.path.time_constraints import speed_envelope
@@ -62,7 +62,7 @@ def seen(
     users: Sequence[RoadUser] = (),
     static=NOTHING,
     time=0.0,
-    leaders: tuple[Leader, ...] = (),
+    leaders: tuple[TimeConstraint, ...] = (),
     room: tuple[float, float] = (0.0, 0.0),
 ) -> Snapshot:
     """Return what the executor needs to know of a car near arc length `s` of C and of the `users` around it."""

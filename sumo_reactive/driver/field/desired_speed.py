@@ -16,7 +16,7 @@ from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
-from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour, Snapshot
+from sumo_reactive.driver.nouns.snapshot import Neighbour, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import (
@@ -85,22 +85,18 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     eased = speed - easing.rate * period  # carried off C, it must be slower than C asks for, to come back to it
     wish = Wish(eased, True, BEND) if easing.is_emergency else Wish(max(free, eased), easing.is_pressing)
     headway = limits.time_headway * profile.headway
-    for constraint in completed.constraints:
-        if not constraint.is_hard:
-            continue
-        away = constraint.s - snapshot.parameters.stop_line_margin_m - front
-        asked = stopping_speed(away, comfort, period)
-        if constraint.time < math.inf and snapshot.parameters.has(Mechanism.TIMES):
-            asked = min(asked, _gently(speed, _rolling(constraint, snapshot, limits, comfort), period))
+    for constraint in _hard(snapshot, completed):
+        if constraint.behind:
+            away, final = constraint.s - front - limits.standstill_gap, constraint.speed
+            asked = following_speed(away, final, comfort, headway)
+        else:
+            away, final = constraint.s - snapshot.parameters.stop_line_margin_m - front, 0.0
+            asked = stopping_speed(away, comfort, period)
+            if constraint.time < math.inf and snapshot.parameters.has(Mechanism.TIMES):
+                asked = min(asked, _gently(speed, _rolling(constraint, snapshot, limits, comfort), period))
         if asked < wish.speed:
-            braking = _braking(speed, 0.0, away, constraint.s - HARD_STOP_MARGIN_M - front, limits, comfort)
-            wish = _lower(wish, asked, speed, braking, period, STOP_PLACE)
-    for leader in snapshot.leaders:
-        gap = leader.s - front - limits.standstill_gap
-        asked = following_speed(gap, leader.speed, comfort, headway)
-        if asked < wish.speed:
-            braking = _braking(speed, leader.speed, gap, _room_behind(leader, front), limits, comfort)
-            wish = _lower(wish, asked, speed, braking, period, leader.user_id)
+            braking = _braking(speed, final, away, _room(constraint, front), limits, comfort)
+            wish = _lower(wish, asked, speed, braking, period, constraint.behind or STOP_PLACE)
     for constraint in completed.constraints:
         slot = _slot(snapshot, constraint.behind) if constraint.behind else None
         if slot is not None:
@@ -108,6 +104,12 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
             following = following_speed(gap, slot.user.speed, comfort, snapshot.parameters.slot_headway_s)
             wish = _lower(wish, following, speed, _Braking(comfort), period, "")
     return wish if wish.speed >= 0.0 else wish._replace(speed=0.0)
+
+
+def _hard(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstraint]:
+    """Yield the constraints that the ego can stop for: the pilot's, and the leaders, who move."""
+    yield from (one for one in completed.constraints if one.is_hard)
+    yield from snapshot.leaders
 
 
 def _rolling(constraint: TimeConstraint, snapshot: Snapshot, limits: VehicleLimits, comfort: float) -> float:
@@ -243,16 +245,14 @@ def room_to_brake(snapshot: Snapshot, completed: CompletedPlan, margin: float = 
     room = math.inf
     if not snapshot.parameters.has(Mechanism.ROOM_TO_STOP):
         return room
-    for constraint in completed.constraints:
-        if constraint.is_hard:
-            room = min(room, constraint.s - margin - snapshot.front)
-    for leader in snapshot.leaders:
-        braking = leader.speed * leader.speed / (2.0 * leader.deceleration)
-        room = min(room, _room_behind(leader, snapshot.front) + braking)
+    for constraint in _hard(snapshot, completed):
+        braking = constraint.speed * constraint.speed / (2.0 * constraint.braking) if constraint.behind else 0.0
+        room = min(room, _room(constraint, snapshot.front, margin) + braking)
     return room
 
 
-def _room_behind(leader: Leader, front: float) -> float:
-    """Way (m) to the least gap behind a leader: half of it may go where it is narrow already."""
-    gap = leader.s - front
-    return max(gap - SAFE_GAP_M, 0.5 * gap)
+def _room(constraint: TimeConstraint, front: float, margin: float = HARD_STOP_MARGIN_M) -> float:
+    """Way (m) to `margin` before a place, or to the least gap behind a leader, of which half may go where it is narrow
+    already."""
+    gap = constraint.s - front
+    return max(gap - SAFE_GAP_M, 0.5 * gap) if constraint.behind else gap - margin

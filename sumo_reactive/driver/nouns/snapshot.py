@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, RoadUser, Switches
 from sumo_reactive.driver.parameters import USUAL, Parameters
@@ -79,21 +80,12 @@ class OffTracking(NamedTuple):
     lane_id: str
 
 
-class Leader(NamedTuple):
-    """A body to stay behind: its rear at arc length `s` of C (m), `speed` along C (m/s), hardest braking (m/s²)."""
-
-    user_id: str
-    s: float
-    speed: float
-    deceleration: float
-
-
 class Snapshot(NamedTuple):
     """The ego and its surroundings at `time`.
 
     `s`, `d`: front axle on C (m, left positive); `front`: front bumper on C. `boxes` (n, 8): x, y, heading, speed, length,
     width, turn rate (rad/s), way left on the road (m) of every user near (front bumper centre). `static` (k, 2): points of
-    O_S, m. `leaders`: all of `on_path` that the ego must stay behind. `foes`: none while the pilot's decision rests on
+    O_S, m. `leaders`: bodies that the ego must stay behind, now. `foes`: none while the pilot's decision rests on
     none. `lights`: letters by light id. `passages`: the plan's passages in sight, by index. `off_tracking`: the next place,
     on a road, where the body will cover the lane beside; `neighbours` are then those on that lane. `room`: how far the ego
     may lean to the left and right of C inside its lane, m. `parameters`: the driver's. `switches`: when lights will
@@ -108,7 +100,7 @@ class Snapshot(NamedTuple):
     boxes: NDArray[np.float64]
     static: NDArray[np.float64]
     on_path: tuple[PathObstacle, ...]
-    leaders: tuple[Leader, ...]
+    leaders: tuple[TimeConstraint, ...]
     foes: tuple[Foe, ...]
     neighbours: tuple[Neighbour, ...]
     lights: Mapping[str, str]

@@ -5,14 +5,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
+from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -46,7 +48,7 @@ FASTER = 2.0
 """m/s; the ego may speed up by so much until it meets somebody."""
 
 
-def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> list[Leader]:
+def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> list[TimeConstraint]:
     """Return a leader for each body in the corridor that will not be gone; ego's bumper at `front` m of C, `speed` m/s."""
     found = (_leader(obstacle, front, speed, limits) for obstacle in on_path)
     return [leader for leader in found if leader is not None]
@@ -75,17 +77,17 @@ def _crosses(obstacle: PathObstacle) -> bool:
     return abs(obstacle.across) > max(obstacle.along, STANDING_SPEED)
 
 
-def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleLimits) -> Leader | None:
+def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleLimits) -> TimeConstraint | None:
     user, start, along = obstacle.user, obstacle.start, obstacle.along
     brakes, gap = user.body.emergency_deceleration, start - front
     if comes_towards(obstacle):
-        return Leader(user.id, front + gap * speed / (speed - along), 0.0, brakes)
+        return stay_behind(user.id, front + gap * speed / (speed - along), 0.0, brakes)
     if not _crosses(obstacle):
-        return Leader(user.id, start, max(along, 0.0), brakes)
+        return stay_behind(user.id, start, max(along, 0.0), brakes)
     leaves = (user.body.length + limits.width) / abs(obstacle.across)
     if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
         return None
-    return Leader(user.id, start, 0.0, brakes)
+    return stay_behind(user.id, start, 0.0, brakes)
 
 
 class Narrow(NamedTuple):
@@ -136,7 +138,7 @@ def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tu
 def ahead_at_narrows(
     users: tuple[RoadUser, ...], narrows: tuple[Narrow, ...], graph: RoadGraph, ego: VehicleState, front: float,
     limits: VehicleLimits,
-) -> Iterator[Leader]:  # fmt: skip
+) -> Iterator[TimeConstraint]:  # fmt: skip
     """Yield a leader for everybody who is first at a narrow place before the ego; its bumper is at `front` m of C.
 
     Who is in it already is seen in the corridor. Where both would arrive at once the ego falls back: nobody else does.
@@ -149,7 +151,7 @@ def ahead_at_narrows(
             if first is not None:
                 leader = _ahead_by(first, max(left, 0.0), time, front, ego.speed, limits)
                 stop = narrow.start + limits.standstill_gap
-                yield leader._replace(s=min(leader.s, stop)) if narrow.is_long else leader
+                yield replace(leader, s=min(leader.s, stop)) if narrow.is_long else leader
 
 
 def _coming(
@@ -203,7 +205,7 @@ def _turn(
 
 def _ahead_by(
     user: RoadUser, left: float, time: float, front: float, speed: float, limits: VehicleLimits
-) -> Leader:
+) -> TimeConstraint:
     """Return `user` as a leader behind whom the ego, at `speed`, comes to a narrow place `left` m ahead in `time` s.
 
     It drives at the pace that this takes, as far ahead as the ego follows at that pace, or as it needs to brake gently.
@@ -211,4 +213,4 @@ def _ahead_by(
     pace = left / time
     braking = 0.5 * (speed * speed - pace * pace) / limits.comfort_deceleration
     gap = max(pace * limits.time_headway, min(braking, left))
-    return Leader(user.id, front + limits.standstill_gap + gap, pace, user.body.emergency_deceleration)
+    return stay_behind(user.id, front + limits.standstill_gap + gap, pace, user.body.emergency_deceleration)

@@ -11,10 +11,10 @@ from sumo_reactive.driver.field.desired_speed import desired_speed, room_to_brak
 from sumo_reactive.driver.field.executor import COARSE_STOP_MARGIN_M, execute
 from sumo_reactive.driver.field.velocity import cruise_speed
 from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
-from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import STOP_PLACE
-from sumo_reactive.driver.nouns.snapshot import Leader, Neighbour
+from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M, SAFE_GAP_M, following_speed, stopping_speed
 
@@ -53,18 +53,18 @@ def test_the_room_to_stop_ends_a_margin_before_the_stop(margin):
 
 
 def test_the_room_to_stop_behind_a_leader_counts_the_way_in_which_he_can_stop_himself():
-    leader = Leader("x", 40.0, 12.0, 8.0)
+    leader = stay_behind("x", 40.0, 12.0, 8.0)
     found = room_to_brake(snapshot(10.0, leaders=(leader,)), asked(ROAD))
     assert found == pytest.approx(30.0 - SAFE_GAP_M + 12.0**2 / 16.0)
 
 
 def test_half_of_a_narrow_gap_to_a_leader_is_room():
-    leader = Leader("x", FRONT + 0.6, 0.0, 9.0)
+    leader = stay_behind("x", FRONT + 0.6, 0.0, 9.0)
     assert room_to_brake(snapshot(1.0, leaders=(leader,)), asked(ROAD)) == pytest.approx(0.3)
 
 
 def test_the_nearest_of_stop_and_leaders_bounds_the_room():
-    near, far = Leader("near", 30.0, 0.0, 9.0), Leader("far", 60.0, 0.0, 9.0)
+    near, far = stay_behind("near", 30.0, 0.0, 9.0), stay_behind("far", 60.0, 0.0, 9.0)
     for leaders in ((near, far), (far, near)):
         assert room_to_brake(snapshot(10.0, leaders=leaders), stopping_at(90.0)) == pytest.approx(20.0 - SAFE_GAP_M)
         assert room_to_brake(snapshot(10.0, leaders=leaders), stopping_at(20.0)) == pytest.approx(10.0 - HARD_STOP_MARGIN_M)
@@ -73,7 +73,7 @@ def test_the_nearest_of_stop_and_leaders_bounds_the_room():
 @pytest.mark.parametrize("profile", [{}, {"nine_commands": True}], ids=["fine grid", "nine commands"])
 def test_no_command_is_admissible_that_leaves_too_little_room_behind_a_leader(profile):
     """Without the leader in the room to stop the nine commands would hold their speed: none of them is v_d."""
-    leader = Leader("x", FRONT + 13.0, 0.0, 9.0)
+    leader = stay_behind("x", FRONT + 13.0, 0.0, 9.0)
     found = execute(snapshot(14.0, leaders=(leader,)), asked(ROAD), CAR, 0.5, **profile)
     assert found.command.acceleration <= -CAR.service_deceleration
     assert found.emergency
@@ -117,7 +117,7 @@ def test_the_speed_before_a_stop_is_the_one_that_comfortable_braking_ends_before
 
 
 def test_the_speed_behind_a_leader_keeps_the_headway_and_the_gap_of_a_stand():
-    leader = Leader("x", FRONT + 20.0, 6.0, 8.0)
+    leader = stay_behind("x", FRONT + 20.0, 6.0, 8.0)
     asked_for = following_speed(20.0 - CAR.standstill_gap, 6.0, CAR.comfort_deceleration, CAR.time_headway)
     wish = desired_speed(snapshot(asked_for, leaders=(leader,)), asked(ROAD), CAR, PERIOD)
     assert wish == (pytest.approx(asked_for), False, "")
@@ -125,7 +125,7 @@ def test_the_speed_behind_a_leader_keeps_the_headway_and_the_gap_of_a_stand():
 
 def test_a_longer_headway_is_kept_where_the_instruction_says_so():
     profile = VelocityProfile(headway=2.0)
-    leader = Leader("x", FRONT + 20.0, 6.0, 8.0)
+    leader = stay_behind("x", FRONT + 20.0, 6.0, 8.0)
     calm = replace(asked(ROAD), tuning=Tuning(Weights(1.0, 1.0, 1.0), profile))
     asked_for = following_speed(20.0 - CAR.standstill_gap, 6.0, CAR.comfort_deceleration, 2.0 * CAR.time_headway)
     assert desired_speed(snapshot(asked_for, leaders=(leader,)), calm, CAR, PERIOD).speed == pytest.approx(asked_for)
@@ -154,7 +154,7 @@ def test_a_stop_that_planned_braking_misses_is_named_and_does_not_wait(away):
 
 
 def test_the_nearest_hazard_is_the_one_that_is_named():
-    leader = Leader("x", FRONT + 4.0, 0.0, 9.0)
+    leader = stay_behind("x", FRONT + 4.0, 0.0, 9.0)
     assert desired_speed(snapshot(13.0, leaders=(leader,)), stopping_at(FRONT + 15.0), CAR, PERIOD).hazard == "x"
 
 

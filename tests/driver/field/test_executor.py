@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.nouns.constraint import stop_at
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
-from sumo_reactive.driver.nouns.snapshot import Leader
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
@@ -121,10 +120,10 @@ def test_it_never_runs_into_a_leader_that_brakes_as_hard_as_it_can(gap, speed, b
     """The leader keeps its speed, then brakes with 9 m/s²; both begin at the same speed."""
     assume(gap > 0.6 + speed * 0.1)
 
-    def leader(time: float) -> Leader:
+    def leader(time: float) -> TimeConstraint:
         braking = min(max(0.0, time - brakes_at), speed / 9.0)
         way = speed * min(time, brakes_at + braking) - 4.5 * braking**2
-        return Leader("x", 10.0 + gap + way, max(0.0, speed - 9.0 * braking), 9.0)
+        return stay_behind("x", 10.0 + gap + way, max(0.0, speed - 9.0 * braking), 9.0)
 
     plan = plan_along(straight(), 20.0)
     trace = driven(plan, on_curve(plan.curve, 10.0, speed), lambda _: asked(plan), 14.0, leaders=lambda t: (leader(t),))
@@ -139,7 +138,7 @@ def test_it_settles_behind_a_slower_leader_at_a_safe_gap():
             on_curve(ROAD.curve, 10.0, 13.0),
             lambda _: asked(ROAD),
             30.0,
-            leaders=lambda t: (Leader("x", 50.0 + 8.0 * t, 8.0, 9.0),),
+            leaders=lambda t: (stay_behind("x", 50.0 + 8.0 * t, 8.0, 9.0),),
         )
     )
     snapshot, execution = trace[-1]
@@ -157,7 +156,7 @@ def test_a_wall_that_appears_too_near_is_an_emergency_and_brakes_as_hard_as_it_c
 
 
 def test_a_leader_too_near_to_stop_behind_is_an_emergency():
-    leader = Leader("x", 15.0, 0.0, 9.0)
+    leader = stay_behind("x", 15.0, 0.0, 9.0)
     execution = execute(seen(on_curve(ROAD.curve, 10.0, 15.0), ROAD, 9.0, leaders=(leader,)), asked(ROAD), CAR, 0.1)
     assert execution.emergency
     assert execution.command.acceleration == -CAR.emergency_deceleration
@@ -177,7 +176,9 @@ def test_the_potential_is_the_weighted_sum_of_its_three_terms():
     assert u.total == pytest.approx(w.valley * u.valley + w.shadow * u.shadow + w.velocity * u.velocity)
 
 
-def braked(speed: float, stop: float | None = None, leader: Leader | None = None, plan=ROAD, acceleration: float = 0.0):
+def braked(
+    speed: float, stop: float | None = None, leader: TimeConstraint | None = None, plan=ROAD, acceleration: float = 0.0
+):
     """Return the execution of a car with its front bumper at 10 m."""
     state = replace(on_curve(plan.curve, 10.0, speed), acceleration=acceleration)
     leaders = () if leader is None else (leader,)
@@ -214,12 +215,12 @@ def test_planned_braking_for_a_late_stop_never_becomes_an_emergency(speed, room,
 
 
 def test_a_leader_that_stands_too_near_is_named():
-    execution = braked(10.0, leader=Leader("x", 22.0, 0.0, 9.0))
+    execution = braked(10.0, leader=stay_behind("x", 22.0, 0.0, 9.0))
     assert (execution.emergency, execution.hazard) == (True, "x")
 
 
 def test_a_body_that_appears_before_a_creeping_car_is_stopped_for_without_an_emergency():
-    execution = braked(1.0, leader=Leader("x", 10.6, 0.0, 9.0))
+    execution = braked(1.0, leader=stay_behind("x", 10.6, 0.0, 9.0))
     assert not execution.emergency
     assert -USUAL.planned_deceleration - 0.01 < execution.state.acceleration < -2.0
 

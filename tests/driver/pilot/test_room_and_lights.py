@@ -9,10 +9,10 @@ from helpers.cars import CAR
 from helpers.situations import Situation, before
 from helpers.turning_points import turns_at
 
-from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind, stop_at
 from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.driver.nouns.plan import PlannedStop
-from sumo_reactive.driver.nouns.snapshot import Leader, Snapshot
+from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
@@ -100,7 +100,7 @@ def second_line(speed: float, away: float, behind: float, since: float = 100.0) 
     ego = ego_at("signalised_left_turns", SOUTH_NORTH, away, speed)
     ego = ego.remembering(yellows=((ego.connection.id, since),))
     end = ego.plan.passages[0].end
-    leader = Leader("queue", end + behind + CAR.standstill_gap, 0.0, 9.0)
+    leader = stay_behind("queue", end + behind + CAR.standstill_gap, 0.0, 9.0)
     rules = asked(ego, ego.seen(lights=YELLOW)._replace(leaders=(leader,)))
     return any(stop.reason is Reason.YELLOW_LIGHT for stop, _ in rules.stops)
 
@@ -121,7 +121,7 @@ def test_a_yellow_that_comes_too_late_for_who_stops_behind_turns_over_at(name):
 
 def test_a_queue_behind_that_moves_makes_no_yellow_late():
     ego = ego_at("signalised_left_turns", SOUTH_NORTH, 15.0, 10.0)
-    leader = Leader("queue", ego.plan.passages[0].end + 3.0, 2.0, 9.0)
+    leader = stay_behind("queue", ego.plan.passages[0].end + 3.0, 2.0, 9.0)
     rules = asked(ego, ego.seen(lights=YELLOW)._replace(leaders=(leader,)))
     assert [decision.reason for decision in rules.passes] == [Reason.YELLOW_TOO_CLOSE]
 

@@ -3,19 +3,20 @@
 import pytest
 from helpers.cars import BODY, CAR, car_at
 
-from sumo_reactive.driver.nouns.snapshot import Leader, PathObstacle
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
+from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.view.leaders import leaders
 
 FRONT, SPEED = 10.0, 10.0
 
 
-def behind(start: float, along: float, across: float = 0.0, speed: float = SPEED) -> list[Leader]:
+def behind(start: float, along: float, across: float = 0.0, speed: float = SPEED) -> list[TimeConstraint]:
     body = PathObstacle(car_at("x", 0.0, 0.0, 0.0, 5.0), start, start + 5.0, along, across)
     return list(leaders([body], FRONT, speed, CAR))
 
 
 def test_who_drives_ahead_leads_at_his_speed_and_brakes_as_his_body_can():
-    assert behind(50.0, 8.0) == [Leader("x", 50.0, 8.0, BODY.emergency_deceleration)]
+    assert behind(50.0, 8.0) == [stay_behind("x", 50.0, 8.0, BODY.emergency_deceleration)]
 
 
 def test_who_stands_in_the_way_is_a_leader_at_rest():
@@ -46,4 +47,4 @@ def test_who_drives_ahead_and_changes_lanes_still_leads():
 
 def test_each_body_in_the_corridor_has_its_own_leader():
     bodies = [PathObstacle(car_at(name, 0.0, 0.0, 0.0, 5.0), s, s + 5.0, 5.0, 0.0) for name, s in (("a", 30.0), ("b", 60.0))]
-    assert [leader.user_id for leader in leaders(bodies, FRONT, SPEED, CAR)] == ["a", "b"]
+    assert [leader.behind for leader in leaders(bodies, FRONT, SPEED, CAR)] == ["a", "b"]

@@ -129,14 +129,14 @@ def test_who_comes_across_the_bend_of_c_is_stayed_behind_unless_he_will_have_lef
     seen = ego.seen(oncoming)
     (obstacle,) = seen.on_path
     assert obstacle.along <= -abs(obstacle.across)
-    assert [leader.user_id for leader in seen.leaders] == ["north"] * is_led
+    assert [leader.behind for leader in seen.leaders] == ["north"] * is_led
 
 
 def test_who_comes_along_the_ego_s_own_way_never_leaves_it():
     ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 300.0, 10.0)
     oncoming = ego.ahead("wrong way", 40.0, 8.0)
     seen = ego.seen(oncoming._replace(heading=oncoming.heading + math.pi))
-    assert [leader.user_id for leader in seen.leaders] == ["wrong way"]
+    assert [leader.behind for leader in seen.leaders] == ["wrong way"]
 
 
 @pytest.mark.parametrize(("at", "is_led"), [(13.0, False), (10.0, True)])
@@ -146,4 +146,4 @@ def test_who_crosses_is_stayed_behind_unless_the_rest_of_him_will_have_crossed(a
     crossing = ego.other("west", ego.graph.connections["from_west_0->to_east_0"].parts[0], at, 13.0, ("to_east",))
     seen = ego.seen(crossing)
     assert len(seen.on_path) == 1
-    assert [leader.user_id for leader in seen.leaders] == ["west"] * is_led
+    assert [leader.behind for leader in seen.leaders] == ["west"] * is_led
