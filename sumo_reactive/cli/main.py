@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 import typer
 
 from sumo_reactive.cli.app import app
+from sumo_reactive.cli.streams import outlive_readers
 from sumo_reactive.errors import ReactiveError
 
 _USAGE_ERROR, _OUT_OF_MEMORY, _INTERNAL_ERROR, _INTERRUPTED = 2, 3, 70, 130
@@ -29,6 +30,7 @@ _UsageErrors: tuple[type[Exception], ...] = typer.BadParameter.__bases__
 def main() -> NoReturn:
     """Run the command line and exit with its code; errors of the user become one line."""
     interrupts = Interrupts()
+    outlive_readers()
     try:
         interrupts.listen()
         arguments = sys.argv[1:]
