@@ -28,6 +28,10 @@ ASSESSMENT_STEP_S = 0.2
 """Step of the simulation ahead: 2.8 m at city speed, less than a car's length."""
 
 
+NO_LEADERS: Floats = np.empty((0, 3))
+"""No leaders."""
+
+
 class Way(NamedTuple):
     """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s."""
 
@@ -47,13 +51,14 @@ def way_of(plan: NominalPlan) -> Way:
 @kernel
 def drive_ahead(
     s: float, heading: float, speed: float, x: Floats, y: Floats, headings: Floats, limits: Floats, step: float,
-    stop: float, leaders: Floats, acceleration: float, deceleration: float, headway: float, gap: float, wheelbase: float,
-    overhang: float, dt: float, out: Floats,
+    stop: float, leaders: Floats, acceleration: float, gaining: float, jerk: float, approach: float, deceleration: float,
+    headway: float, gap: float, wheelbase: float, overhang: float, dt: float, out: Floats,
 ) -> None:  # fmt: skip
     """Fill `out` (n, 5) with front bumper x, y, heading, speed, s of F, every `dt` s: M with its front axle on C.
 
     θ̇ = v sin φ / L with φ the angle from the body to C (F&L 1991, §3.1). `stop`: where the bumper is to stop (m of C);
-    `leaders` (m, 3): rear's arc length, speed, and the arc length beyond which it is not in the way.
+    `leaders` (m, 3): rear's arc length, speed, and the arc length beyond which it is not in the way. It speeds up as the
+    executor does: `gaining` (m/s²) now, more with `jerk` (m/s³), a limit within the time constant `approach` (s).
     """
     last = len(x) - 1
     for k in range(len(out)):
@@ -63,7 +68,8 @@ def drive_ahead(
         px, py = x[i] + f * (x[i + 1] - x[i]), y[i] + f * (y[i + 1] - y[i])
         c, w = math.cos(heading), math.sin(heading)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = px + overhang * c, py + overhang * w, heading, speed, s
-        wanted = min(limits[i], speed + acceleration * dt)
+        gaining = min(gaining + jerk * dt, acceleration)
+        wanted = min(limits[i], speed + min(gaining * dt, max(limits[i] - speed, 0.0) * min(1.0, dt / approach)))
         wanted = min(wanted, stopping_speed(stop - s - overhang, deceleration, dt))
         for m in range(len(leaders)):
             at = leaders[m, 0] + leaders[m, 1] * k * dt
@@ -120,11 +126,35 @@ def simulate(
     ego = snapshot.ego
     drive_ahead(
         snapshot.s, ego.pose.heading, ego.speed, way.x, way.y, way.heading, way.speed_limits, way.step,
-        math.inf if stop is None else stop.s, leaders, limits.acceleration_in_plan,
+        math.inf if stop is None else stop.s, leaders, limits.acceleration_in_plan, max(ego.acceleration, 0.0),
+        snapshot.parameters.comfort_jerk, snapshot.parameters.speed_approach_s,
         limits.comfort_deceleration, headway * limits.time_headway, limits.standstill_gap, limits.wheelbase,
         limits.front_overhang, ASSESSMENT_STEP_S, out,
     )  # fmt: skip
     return out
+
+
+def passing(motion: Floats, to_region: float, to_clear: float, length: float) -> Passing:
+    """Read off a simulated motion (n, 5) when the ego is in a region; ways in m from the front bumper (`to_clear`: until the
+    rear is out), `length` its own (m)."""
+    merged = time_of(motion, to_region + length, ASSESSMENT_STEP_S)
+    last = min(int(merged / ASSESSMENT_STEP_S), len(motion) - 1)
+    arrival, clearance = (time_of(motion, way, ASSESSMENT_STEP_S) for way in (to_region, to_clear))
+    return Passing(arrival, clearance, merged, float(motion[last, 3]))
+
+
+@kernel
+def time_of(motion: Floats, way: float, dt: float) -> float:
+    """Return when a motion (n, 5), in steps of `dt` s, has covered a `way` (m), s: 0 when it is behind; beyond its end it
+    goes on at its last speed."""
+    if way <= 0.0:
+        return 0.0
+    for k in range(1, len(motion)):
+        beyond = motion[k, 4] - motion[0, 4] - way
+        if beyond >= 0.0:
+            return float(dt * (k - beyond / (motion[k, 4] - motion[k - 1, 4])))
+    last = len(motion) - 1
+    return float(dt * last + (way - motion[last, 4] + motion[0, 4]) / max(motion[last, 3], 0.1))
 
 
 def followed(snapshot: Snapshot) -> list[PathObstacle]:

@@ -13,7 +13,16 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.forecast import Forecast
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.assessment import assess
+from sumo_reactive.driver.pilot.assessment import (
+    ASSESSMENT_STEP_S,
+    NO_LEADERS,
+    assess,
+    passing,
+    simulate,
+    time_of,
+    way_of,
+)
+from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.view.foresee import NOBODY
 
 ROAD = plan_along(straight(), 10.0)
@@ -155,3 +164,57 @@ def test_a_collision_weighs_more_than_a_delay():
 
 def test_the_assessment_names_the_place_of_the_next_time_constraint():
     assert going_on(target=TimeConstraint(77.0, 0.0)).constraint == 77.0
+
+
+# --- when the ego is in a region --------------------------------------------------------------------------------------
+
+
+def moving(*speeds: float):
+    """A motion that has each of the `speeds` (m/s) for one second."""
+    held = np.repeat(speeds, round(1.0 / ASSESSMENT_STEP_S))
+    s = 50.0 + ASSESSMENT_STEP_S * np.concatenate(([0.0], np.cumsum(held)))
+    return np.column_stack((s, 0.0 * s, 0.0 * s, np.append(held, speeds[-1]), s))
+
+
+def test_the_times_at_a_region_are_read_off_the_motion():
+    """10 m in the first second, 4 m in the next two: at 6 m, with its rear there at 11 m, and gone at 13 m."""
+    own = passing(moving(10.0, 4.0, 4.0), 6.0, 13.0, 5.0)
+    assert own == pytest.approx((0.6, 1.75, 1.25, 4.0))
+
+
+def test_a_place_behind_is_reached_already():
+    assert time_of(moving(10.0), 0.0, ASSESSMENT_STEP_S) == time_of(moving(10.0), -3.0, ASSESSMENT_STEP_S) == 0.0
+
+
+@pytest.mark.parametrize(("last", "time"), [(5.0, 2.0 + 15.0 / 5.0), (0.0, 2.0 + 20.0 / 0.1)])
+def test_beyond_the_end_of_a_motion_its_last_speed_counts(last, time):
+    assert time_of(moving(10.0, last), 30.0, ASSESSMENT_STEP_S) == pytest.approx(time)
+
+
+def simulated(speed: float, stop: float | None = None, duration: float = 8.0):
+    """The motion of an ego with its bumper at x = 10 m on a straight road where 10 m/s are allowed."""
+    snapshot = seen(on_curve(ROAD.curve, FRONT, speed), ROAD, FRONT - CAR.front_overhang)
+    place = None if stop is None else TimeConstraint(stop)
+    return simulate(snapshot, way_of(ROAD), place, NO_LEADERS, CAR, duration)
+
+
+def test_who_starts_is_foreseen_to_speed_up_as_the_executor_does():
+    """A quarter of a second to its acceleration; to the road's speed asymptotically."""
+    motion = simulated(0.0)
+    assert motion[1, 3] == pytest.approx(USUAL.comfort_jerk * ASSESSMENT_STEP_S**2)
+    free = travel_time(50.0, 0.0, CAR.acceleration_in_plan, 10.0)
+    assert time_of(motion, 50.0, ASSESSMENT_STEP_S) == pytest.approx(free, abs=ASSESSMENT_STEP_S)
+    assert np.diff(motion[:, 3]).max() <= CAR.acceleration_in_plan * ASSESSMENT_STEP_S + 1e-9
+    assert 9.0 < motion[-1, 3] < 10.0
+
+
+@pytest.mark.parametrize("speed", [10.0, 4.0, 0.0])
+def test_who_means_to_stop_just_behind_a_region_leaves_it_later(speed):
+    stops, on = simulated(speed, 40.0), simulated(speed)
+    for way in (28.0, 29.5):
+        assert time_of(stops, way, ASSESSMENT_STEP_S) > time_of(on, way, ASSESSMENT_STEP_S) + 0.5
+    assert time_of(stops, 5.0, ASSESSMENT_STEP_S) == pytest.approx(time_of(on, 5.0, ASSESSMENT_STEP_S), abs=0.05)
+
+
+def test_who_stops_far_behind_a_region_leaves_it_as_fast_as_others():
+    assert time_of(simulated(10.0, 90.0), 20.0, ASSESSMENT_STEP_S) == time_of(simulated(10.0), 20.0, ASSESSMENT_STEP_S)

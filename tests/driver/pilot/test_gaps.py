@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.cars import CAR
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
@@ -19,39 +18,12 @@ from sumo_reactive.driver.pilot.rules.gaps import (
     Threat,
     gap_for_follower,
     is_enough,
-    passing,
-    stopping_behind,
     threat,
     turning,
 )
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Connection, Control, Turn
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
-
-FIVE_METRES = replace(CAR, length=5.0, max_acceleration=2.0)
-OWN = Passing(arrival=1.0, clearance=3.0, merged=2.0, speed=10.0)
-
-
-def test_who_stops_far_behind_a_region_leaves_it_as_fast_as_others():
-    assert stopping_behind(OWN, to_clear=30.0, speed=10.0, to_stop=60.0, gentle=2.0) == OWN
-
-
-def test_who_stops_just_behind_a_region_leaves_it_later():
-    """From 10 m/s with 2 m/s² it begins to brake 25 m before its stop, and has 2 m/s left 1 m before it."""
-    own = stopping_behind(OWN, to_clear=29.0, speed=10.0, to_stop=30.0, gentle=2.0)
-    assert own.clearance == pytest.approx(5.0 / 10.0 + (10.0 - 2.0) / 2.0)
-    assert own._replace(clearance=3.0) == OWN
-
-
-def test_who_must_brake_harder_to_stop_behind_it_does_so():
-    """From 10 m/s it stops within 12.5 m with 4 m/s², and has 4 m/s left 2 m before its stop."""
-    own = stopping_behind(OWN._replace(clearance=1.1), to_clear=10.5, speed=10.0, to_stop=12.5, gentle=2.0)
-    assert own.clearance == pytest.approx((10.0 - 4.0) / 4.0)
-
-
-def test_who_starts_from_standstill_need_not_brake_before_it_has_left():
-    assert stopping_behind(OWN, to_clear=14.0, speed=0.0, to_stop=15.0, gentle=2.0) == OWN
-
 
 BOTH = Interval(5.0, 8.0)
 CROSSING = ConflictRegion(
@@ -69,34 +41,6 @@ def foe(speed: float, to_region: float, kind: ConflictKind = ConflictKind.CROSSI
     user = RoadUser("x", 0.0, 0.0, 0.0, speed, "in_0", 0.0, body)
     conflict = Conflict(replace(CROSSING, kind=kind), WAY, must_yield=True, is_yielded_to=False)
     return Foe(user, 0, conflict, to_region - 5.0, to_region, to_region + 3.0 + body.length)
-
-
-def test_who_keeps_its_speed_is_in_the_region_as_long_as_its_way_takes():
-    own = passing(to_region=20.0, to_clear=28.0, speed=10.0, top_speed=10.0, limits=FIVE_METRES)
-    assert own == pytest.approx((2.0, 2.8, 2.5, 10.0))
-
-
-def test_who_starts_gains_speed_until_it_has_reached_its_top():
-    """With 2 m/s² from a stand: 4 m after 2 s, 9 m after 3 s; at 6 m/s from there on."""
-    own = passing(to_region=4.0, to_clear=15.0, speed=0.0, top_speed=6.0, limits=FIVE_METRES)
-    assert own == pytest.approx((2.0, 4.0, 3.0, 6.0))
-
-
-def test_who_is_too_fast_for_the_bend_comes_at_the_earliest_at_its_speed_and_leaves_at_the_bends():
-    """From 10 to 5 m/s it brakes within 15 m, in 2 s; before that it drives 5 m in half a second."""
-    own = passing(to_region=20.0, to_clear=30.0, speed=10.0, top_speed=5.0, limits=FIVE_METRES)
-    lead = 0.5 + (10.0 - 5.0) / USUAL.comfort_deceleration
-    assert own == pytest.approx((travel_time(20.0, 10.0, 2.0, 5.0), lead + 10.0 / 5.0, lead + 5.0 / 5.0, 5.0))
-
-
-def test_who_has_no_room_to_brake_for_the_bend_is_there_at_the_mean_of_both_speeds():
-    own = passing(to_region=6.0, to_clear=16.0, speed=10.0, top_speed=5.0, limits=FIVE_METRES)
-    assert own[1:] == pytest.approx((0.8 + 2.0, 0.8 + 1.0, 5.0))
-
-
-def test_who_is_in_the_bend_already_drives_at_its_speed():
-    own = passing(to_region=-1.0, to_clear=10.0, speed=10.0, top_speed=5.0, limits=FIVE_METRES)
-    assert own[1:] == pytest.approx((2.0, 4.0 / 5.0, 5.0))
 
 
 def test_who_turns_round_is_everywhere_for_as_long_as_that_takes():

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import Parameters
-from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind
 
@@ -55,51 +53,11 @@ class Threat(NamedTuple):
     merged: float
 
 
-def passing(to_region: float, to_clear: float, speed: float, top_speed: float, limits: VehicleLimits) -> Passing:
-    """Foresee the ego's passage; ways in m from the front bumper (`to_clear`: until the rear is out)."""
-    if speed > top_speed and to_region > 0.0:
-        return _slowing(to_region, to_clear, speed, top_speed, limits)
-    slow, acceleration = min(speed, top_speed), limits.acceleration_in_plan
-    merged = travel_time(to_region + limits.length, slow, acceleration, top_speed)
-    return Passing(
-        arrival=travel_time(to_region, speed, acceleration, top_speed),
-        clearance=travel_time(to_clear, slow, acceleration, top_speed),
-        merged=merged,
-        speed=min(top_speed, slow + acceleration * merged),
-    )
-
-
 def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:
     """Foresee an ego that turns round in several moves, `to_start` m ahead: it is in every region for all of the `duration`
     (s), from when it has come so near that it begins."""
     arrival = travel_time(to_start - TURNAROUND_REACHED_M, speed, acceleration, max(speed, 1.0))
     return Passing(arrival, arrival + duration, arrival + duration, 0.0)
-
-
-def stopping_behind(own: Passing, to_clear: float, speed: float, to_stop: float, gentle: float) -> Passing:
-    """Foresee a passage by an ego that means to stop `to_stop` m ahead, behind the region if it `to_clear`s that; it brakes
-    no softer than by the `gentle` rate, m/s²."""
-    if to_stop <= max(to_clear, 0.0):
-        return own
-    braking = max(gentle, speed * speed / (2.0 * to_stop))
-    lost = speed * speed - 2.0 * braking * (to_stop - to_clear)
-    if lost <= 0.0:
-        return own  # it need not brake before it has left the region
-    before = max(to_clear - lost / (2.0 * braking), 0.0) / speed
-    return own._replace(clearance=max(own.clearance, before + (speed - math.sqrt(speed * speed - lost)) / braking))
-
-
-def _slowing(to_region: float, to_clear: float, speed: float, top_speed: float, limits: VehicleLimits) -> Passing:
-    """Foresee a passage that is slower than the ego is now: at its speed first, then braking, then at `top_speed`."""
-    rate = limits.parameters.comfort_deceleration
-    braking = (speed * speed - top_speed * top_speed) / (2.0 * rate)
-    if braking < to_region:
-        lead = (to_region - braking) / speed + (speed - top_speed) / rate
-    else:
-        lead = 2.0 * to_region / (speed + top_speed)
-    inside = (to_clear - to_region) / top_speed
-    earliest = travel_time(to_region, speed, limits.acceleration_in_plan, top_speed)
-    return Passing(earliest, lead + inside, lead + limits.length / top_speed, top_speed)
 
 
 def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:

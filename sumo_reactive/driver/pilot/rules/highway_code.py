@@ -111,7 +111,7 @@ def _passage(
     if Rule.STOP_LINE in asked:
         at_line, late, memory = stop_line.stop_at_line(way, snapshot, memory, limits)
     stops = [] if at_line is None else [(at_line, decision_of(at_line))]
-    found = list(region.judgements(way, foes, snapshot, memory, limits)) if Rule.REGION in asked else []
+    found = list(region.judgements(way, foes, view, memory)) if Rule.REGION in asked else []
     waits = [(place, judgement) for judgement, place in found if place is not None]
     met = None
     if waits:

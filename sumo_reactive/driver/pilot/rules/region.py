@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
@@ -13,15 +14,13 @@ from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
 from sumo_reactive.driver.parameters import Parameters
-from sumo_reactive.driver.pilot.assessment import would_meet
+from sumo_reactive.driver.pilot.assessment import NO_LEADERS, passing, simulate, way_of, would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
 from sumo_reactive.driver.pilot.rules.gaps import (
     Passing,
     Threat,
     follows_at,
-    passing,
-    stopping_behind,
     threat,
     turning,
 )
@@ -63,8 +62,18 @@ ENTERING_M = 6.0
 LETS_PASS_S = 5.0
 """Who comes to a region within this time is let pass by those who have to."""
 
+PASSAGE_FORESEEN_S = 12.0
+"""The ego's way through a junction is simulated so far; beyond it goes on at its speed then."""
+
 _SOON_S = 0.01
 """Later than just enough."""
+
+
+class Motions(NamedTuple):
+    """The ego's simulated motion (n, 5) if it goes `on`, and if it is `stopping` behind the passage."""
+
+    on: Floats
+    stopping: Floats
 
 
 class Judgement(NamedTuple):
@@ -95,15 +104,26 @@ class Judgement(NamedTuple):
 
 
 def judgements(
-    crossing: Crossing, foes: tuple[Foe, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+    crossing: Crossing, foes: tuple[Foe, ...], view: View, memory: PilotMemory
 ) -> Iterator[tuple[Judgement, float | None]]:
     """Yield what each of the `foes` means for a passage, with the place (m of C) to wait for it (None: go on)."""
-    for foe in foes:
-        if foe.passage != crossing.number:
-            continue
-        judgement = judge(foe, crossing, snapshot, memory, limits)
+    snapshot, limits = view.snapshot, view.limits
+    theirs = [foe for foe in foes if foe.passage == crossing.number]
+    if not theirs:
+        return
+    motions = _motions(crossing, view)
+    for foe in theirs:
+        judgement = judge(foe, crossing, motions, snapshot, memory, limits)
         if judgement is not None:
             yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
+
+
+def _motions(crossing: Crossing, view: View) -> Motions:
+    """Simulate an ego that goes on through a passage, and one that stops behind it where it means to."""
+    way, stop = way_of(view.plan), TimeConstraint(crossing.stop)
+    on = simulate(view.snapshot, way, None, NO_LEADERS, view.limits, PASSAGE_FORESEEN_S)
+    stops = stop.s < math.inf
+    return Motions(on, simulate(view.snapshot, way, stop, NO_LEADERS, view.limits, PASSAGE_FORESEEN_S) if stops else on)
 
 
 def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view: View) -> float:
@@ -166,7 +186,7 @@ def _is_wide(user: RoadUser) -> bool:
 
 
 def judge(
-    foe: Foe, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+    foe: Foe, crossing: Crossing, motions: Motions, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
 ) -> Judgement | None:
     """Return whether the ego may enter a region before or after a foe; None when the foe does not matter there.
 
@@ -184,8 +204,8 @@ def judge(
     if _gives_way(foe, committed, crossing, snapshot.parameters):
         return None
     p, speed = snapshot.parameters, snapshot.ego.speed
-    own = passing(to_region, to_clear, speed, crossing.pace, limits)
-    own = stopping_behind(own, to_clear, speed, crossing.stop - front, p.follower_deceleration)
+    is_clear = crossing.stop - front > to_clear
+    own = passing(motions.stopping if is_clear else motions.on, to_region, to_clear, limits.length)
     if crossing.turn is not None:
         own = turning(crossing.turn.start - front, speed, limits.acceleration_in_plan, crossing.turn.duration)
     other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
