@@ -200,7 +200,7 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
         lambda m: falls_back(on_the_way_past(m, comes(190.0))), -3.0, 5.0, 0.0,
     ),
     "m of way that is short of its margin": (
-        lambda m: on_the_way_past(-4.0, comes(m)).top_speed < math.inf, 150.0, 400.0, 242.015,
+        lambda m: on_the_way_past(-4.0, comes(m)).top_speed < math.inf, 150.0, 400.0, 241.765,
     ),
     "m ahead of who is in the way back": (lambda m: returns(on_the_way_past(-30.0, second(m, 8.5))), 1.0, 100.0, 50.292),
     "m ahead of who is in the way back and as fast": (
