@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import Net, car, cross, driven, edge, link, node, standing, stream
+from kinds import Net, car, cross, driven, edge, link, node, program, standing, stream
 
 CENTRE = 90.0
 SIDE = stream("n", "nc cs", [9, 12, 15, 18, 21, 24])
@@ -82,3 +82,16 @@ def test_who_waits_with_its_nose_in_the_way_goes_first_since_else_both_would_wai
     before = stream("e", "wc ce", [0, 1.8])
     run = driven(tmp_path, _line_in_the_way(), before, car("x", "sc cn", 1.0), car("ego", "wc ce", 4.5), until=120)
     assert run.complaints(slower=1.6) == []
+
+
+ALTERNATELY = (("c", "rrGG", "GGrr"), ("d", "GGrr", "rrGG"))
+"""While the minor road goes on one carriageway it stops on the other."""
+
+
+def test_two_lights_that_never_let_through_at_once_are_passed_one_after_the_other(tmp_path):
+    plain = _two_carriageways()
+    lights = plain.nodes.replace('id="c"', 'id="c" type="traffic_light"').replace('id="d"', 'id="d" type="traffic_light"')
+    net = Net(lights, plain.edges, "", plain.options)
+    first, second = (program(name, (20, go), (3, "yyyy"), (20, stop), (3, "yyyy")) for name, go, stop in ALTERNATELY)
+    run = driven(tmp_path, net, car("ego", "wc cd de", 1), extra=first + second, until=200)
+    assert run.complaints(slower=5.0) == []

@@ -60,8 +60,8 @@ class PilotMemory(NamedTuple):
     (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
     place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
     to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
-    since when (s). `move`: which of the
-    plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
+    since when (s); `lost`: that before which the ego has stood through a whole green (empty: none). `move`: which of
+    the plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
     light is yellow, each since when (s). `kept`: foes who stand because they let somebody pass, each until when (s).
     """
 
@@ -80,9 +80,17 @@ class PilotMemory(NamedTuple):
     escapes: int = 0
     waiting_since: float | None = None
     released: tuple[str, float] = ("", 0.0)
+    lost: str = ""
     move: tuple[int, int] | None = None
     yellows: tuple[tuple[str, float], ...] = ()
     kept: tuple[tuple[str, float], ...] = ()
+
+    def with_released(self, connection_id: str, since: float) -> PilotMemory:
+        """Return the memory of by which connection the ego may go next (empty: none), since when (s)."""
+        before, green = self.released
+        has_stood = self.standing_since is not None and self.standing_since <= green
+        lost = before if before and not connection_id and has_stood else self.lost
+        return self._replace(released=(connection_id, since), lost=lost)
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

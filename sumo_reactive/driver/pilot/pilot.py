@@ -82,7 +82,7 @@ def decide(
     out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     snapshot, plan = view.snapshot, view.plan
-    memory = memory._replace(released=released(snapshot, view.ways, memory), kept=kept_waiting(snapshot, memory))
+    memory = memory.with_released(*released(snapshot, view.ways, memory))._replace(kept=kept_waiting(snapshot, memory))
     situation = _considered(view, outlook, events, memory)
     behaviour = next_behaviour(situation)
     situation, asked = _asked(situation, behaviour)

@@ -23,6 +23,8 @@ from sumo_reactive.driver.world.regions import ConflictKind
 QUEUED_SPEED = 3.0
 """m/s; who is slower than this before the line is in the queue."""
 
+_LIGHTS = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT)
+
 
 def is_clear_at(way: Crossing, conflicts: tuple[Conflict, ...], limits: VehicleLimits) -> float | None:
     """Return how far on C (m) the ego's front is when its rear has left every region of a passage (None: it has none).
@@ -125,8 +127,8 @@ def wait_before(
     """Return the first of the `stops` behind a junction at which M would stand in a region of it, or with its rear not yet
     in it, moved before its line.
 
-    None: it would stand clear, can no longer stop before the line, or has waited there in vain. A stop of the route is made
-    where the route says.
+    None: it would stand clear, can no longer stop before the line, or has waited there in vain, for a light behind through
+    a whole green of its own. A stop of the route is made where the route says.
     """
     p = limits.parameters
     if not p.has(Mechanism.ROOM_BEHIND) or all(c.region.kind is ConflictKind.DIVERGING for c in conflicts):
@@ -136,7 +138,9 @@ def wait_before(
         return None
     inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason is not Reason.SCHEDULED_STOP)
     first = min(inside, key=lambda stop: stop.s, default=None)
-    return None if first is None else replace(first, s=way.line)
+    if first is None or (first.reason in _LIGHTS and memory.lost == way.connection.id):
+        return None
+    return replace(first, s=way.line)
 
 
 def clear_of(
