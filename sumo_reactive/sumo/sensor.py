@@ -26,6 +26,9 @@ ROUTE_REFRESH_S = 3.0
 PERSON_DECELERATION = 5.0
 """m/s²; a pedestrian stops within a step."""
 
+TRACTOR_M = 9.5
+"""SUMO shows a trailer, however long, along the heading of so much of it."""
+
 STEPPING_ON_M = 4.0
 """Somebody on a walking area who is this near to the crossing that he heads for is about to step on: 3 s of walking."""
 
@@ -251,4 +254,6 @@ def _fixed_phases(light_id: str, program_id: str) -> tuple[tuple[float, str], ..
 def _body(name: str) -> Body:
     vehicle = libsumo.vehicle
     braking = max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name))
-    return Body(vehicle.getLength(name), vehicle.getWidth(name), braking, vehicle.getMaxSpeed(name))
+    length, bends = vehicle.getLength(name), vehicle.getVehicleClass(name) == "trailer"
+    first_part = min(length, TRACTOR_M) if bends else 0.0
+    return Body(length, vehicle.getWidth(name), braking, vehicle.getMaxSpeed(name), first_part=first_part)

@@ -1,4 +1,5 @@
-"""Kinds of long bodies that swing in turns: over the lane of those who come, and over who waits at another road's line."""
+"""Kinds of long bodies that swing in turns: over the lane of those who come, and over who waits at another road's line; the
+ego's own, and others'."""
 
 from __future__ import annotations
 
@@ -52,3 +53,23 @@ def test_who_swings_out_before_its_line_waits_on_its_own_lane_for_those_who_come
     others = stream("x", "nb ba", [first + gap * k for k in range(7)])
     run = driven(tmp_path, fork(angle), car("ego", "ab be", type=kind), others, extra=LONG, until=120)
     assert run.complaints(slower=5) == []
+
+
+@pytest.mark.parametrize("kind", ["priority", "right_before_left"])
+@pytest.mark.parametrize("way", ["sc cn", "sc cw"])
+def test_a_car_waits_farther_back_for_a_bus_that_cuts_the_corner_over_its_line(tmp_path, kind, way):
+    """SUMO's own driver stands at the line, in its way."""
+    net = cross(kind, options=("--default.junctions.radius", "1.5"))
+    others = stream("x", "ec cs", [0, 4, 8], type="long")
+    run = driven(tmp_path, net, others, car("ego", way, 3), extra=LONG)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("kind", ["priority", "right_before_left"])
+@pytest.mark.parametrize("body", ["long", "trailer"])
+@pytest.mark.parametrize("way", ["wc cn", "sc cn"])
+def test_a_car_keeps_clear_of_a_long_tail_that_reaches_out_of_its_bend(tmp_path, kind, body, way):
+    """The map knows of no conflict there, or of one that ends before the tail has gone."""
+    net = cross(kind, options=("--default.junctions.radius", "1.5"))
+    run = driven(tmp_path, net, stream("x", "nc cw", [0, 4, 8], type=body), car("ego", way, 3), extra=LONG)
+    assert run.complaints(slower=2.0) == []

@@ -27,6 +27,7 @@ CAR = {
     "getPosition": (10.0, 20.0), "getAngle": 0.0, "getSpeed": 4.0, "getLanePosition": 30.0, "getLength": 5.0,
     "getWidth": 1.75, "getDecel": 4.0, "getEmergencyDecel": 7.0, "getMaxSpeed": 40.0, "getRouteIndex": 1,
     "getRoute": ("z", "a", "b", "c"), "getWaitingTime": 6.0, "isStopped": 1, "getAcceleration": -2.0,
+    "getVehicleClass": "passenger",
 }  # fmt: skip
 
 
@@ -88,6 +89,15 @@ def test_a_body_brakes_as_hard_as_the_harder_of_both_that_its_type_says(monkeypa
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getDecel=service, getEmergencyDecel=emergency)
     sensor.look()
     assert sensor.vehicles((LANE,))[0].body.emergency_deceleration == hardest
+
+
+@pytest.mark.parametrize(
+    ("vehicle_class", "length", "keeps_to_its_way"), [("trailer", 16.0, 9.5), ("trailer", 8.0, 8.0), ("bus", 12.0, 12.0)]
+)
+def test_a_trailer_turns_with_its_first_part(monkeypatch, vehicle_class, length, keeps_to_its_way):
+    sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getVehicleClass=vehicle_class, getLength=length)
+    sensor.look()
+    assert sensor.vehicles((LANE,))[0].body.turning_length == keeps_to_its_way
 
 
 def test_lanes_are_told_in_order_and_stand_ins_and_empty_lanes_left_out(monkeypatch):
@@ -221,7 +231,7 @@ def test_an_observed_vehicle_sees_all_that_is_subscribed_on_its_level(monkeypatc
     view = observed.look()
     (other,) = view.others
     assert other == RoadUser("x", 3.0, 4.0, EAST, 4.0, ":j_0_0", 30.0, other.body, ("b", "c"))
-    assert other.body == (*body(5.0, 1.75), False)
+    assert other.body == (*body(5.0, 1.75), False, 0.0)
     assert (view.own.id, view.own.route, view.own.heading) == ("ego", ("a", "b", "c"), NORTH)
     assert (observed.departure, observed.limits.length) == (2.0, 5.0)
 
@@ -271,7 +281,7 @@ def test_people_are_seen_on_crossings_within_reach(monkeypatch, x, y, road, is_s
     watched(monkeypatch, {"ego": values(10.0, 20.0)}, {"far": walker(500.0, 0.0), "p": walker(x, y, road)})
     found = ObservedVehicle("ego", 70.0).look().others
     assert [one[:7] for one in found] == ([("p", x, y, EAST, 1.25, f"{road}_0", 3.0)] if is_seen else [])
-    assert [one.body for one in found] == ([(*body(0.25, 0.5), True)] if is_seen else [])
+    assert [one.body for one in found] == ([(*body(0.25, 0.5), True, 0.0)] if is_seen else [])
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,8 @@ class Conflict(NamedTuple):
 
     `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first;
     `lets_pass`: the ids of all connections that it lets go first. `waits_in_the_way`: who turns into the ego's lane, and
-    waits for it where the map says, has his body in its corridor.
+    waits for it where the map says, has his body in its corridor. `reaches_over`: how far before the ego's stop line a long
+    body on the other connection reaches over its way, m.
     """
 
     region: ConflictRegion
@@ -46,6 +47,7 @@ class Conflict(NamedTuple):
     is_yielded_to: bool
     lets_pass: frozenset[str] = frozenset()
     waits_in_the_way: bool = False
+    reaches_over: float = 0.0
 
 
 class Foe(NamedTuple):

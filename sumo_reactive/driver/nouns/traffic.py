@@ -17,13 +17,20 @@ NO_POINTS: NDArray[np.float64] = np.empty((0, 2))
 
 
 class Body(NamedTuple):
-    """What does not change about a road user: m, m/s², m/s. `is_person` marks pedestrians."""
+    """What does not change about a road user: m, m/s², m/s. `is_person` marks pedestrians. `first_part` (m): where a body in
+    several parts bends (0: nowhere); seen is one box, all of it along the first part."""
 
     length: float
     width: float
     emergency_deceleration: float
     max_speed: float
     is_person: bool = False
+    first_part: float = 0.0
+
+    @property
+    def turning_length(self) -> float:
+        """The length (m) both ends of which keep to the way."""
+        return self.first_part or self.length
 
 
 class RoadUser(NamedTuple):

@@ -12,6 +12,8 @@ from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
+from sumo_reactive.driver.view.leaders import ORDINARY_M
+from sumo_reactive.driver.view.long_foes import Size, conflicts_with_long, size_of
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -46,10 +48,14 @@ def watches_of(graph: RoadGraph, connection_id: str) -> Mapping[str, tuple[Confl
     return _lanes_to(graph, conflicts_of(graph, own, graph.regions_on(own)))
 
 
-def _lanes_to(graph: RoadGraph, conflicts: tuple[Conflict, ...]) -> Mapping[str, tuple[ConflictingLane, ...]]:
+def _lanes_to(
+    graph: RoadGraph, conflicts: tuple[Conflict, ...], length: float = 0.0
+) -> Mapping[str, tuple[ConflictingLane, ...]]:
+    """Return, by lane id, what a user there may mean for somebody to whom the `conflicts` are; `length` (m): of whom they
+    hold all along, from front to rear."""
     table: dict[str, list[ConflictingLane]] = {}
     for conflict in conflicts:
-        region = conflict.region.other.start, conflict.region.other.end
+        region = conflict.region.other.start, conflict.region.other.end - length
         for lane_id, behind in graph.lanes_behind(conflict.other):
             table.setdefault(lane_id, []).append(ConflictingLane(conflict, -behind, (), *region))
         for lane in graph.approaches.get(conflict.other.id, ()):
@@ -191,11 +197,12 @@ def foes_of(
     found: list[Foe] = []
     meanings = _meanings(graph, plan, limits, sight) if sight else {}
     for user in (*traffic.users, *traffic.beside) if meanings else ():
-        watched = meanings.get(user.lane_id)
+        length = user.body.length
+        known = meanings if length <= ORDINARY_M else _meanings(graph, plan, limits, sight, size_of(user.body))
+        watched = known.get(user.lane_id)
         if watched is None:
             continue
-        at, body, route = user.lane_position, user.body, user.route
-        is_person, length = body.is_person, body.length
+        at, is_person, route = user.lane_position, user.body.is_person, user.route
         for passage, conflict, distance, edges, start, end in watched:
             if edges and route and edges != route[: len(edges)]:
                 continue
@@ -213,13 +220,17 @@ def foes_of(
 
 @kept(PLANS_KEPT)
 def _meanings(
-    graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, sight: tuple[int, ...]
+    graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, sight: tuple[int, ...], size: Size | None = None
 ) -> Mapping[str, tuple[_Meaning, ...]]:
-    """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`."""
+    """Return, by lane id, what a user on that lane may mean for the plan's passages in `sight`; `size`: of one whose body
+    is so long that it reaches beside his way."""
     table: dict[str, list[_Meaning]] = {}
     for i, connection, _ in passages_ahead(graph, plan, limits, sight):
         swept = _lanes_to(graph, swept_conflicts(plan, graph, limits).get(i, ()))
-        for lane_id, watches in (*watches_of(graph, connection.id).items(), *swept.items()):
+        known = watches_of(graph, connection.id)
+        if size is not None:
+            known = _lanes_to(graph, conflicts_with_long(graph, connection.id, size), size.length)
+        for lane_id, watches in (*known.items(), *swept.items()):
             table.setdefault(lane_id, []).extend((i, *watch) for watch in watches)
     return {lane_id: tuple(meanings) for lane_id, meanings in table.items()}
 

@@ -70,7 +70,7 @@ def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
 
     Both ends of its body keep to the lane, as those of SUMO's do.
     """
-    ways, at, length = paths_ahead(graph, user.lane_id, user.route[:3]), user.lane_position, user.body.length
+    ways, at, length = paths_ahead(graph, user.lane_id, user.route[:3]), user.lane_position, user.body.turning_length
     turns = [turned(way, at, user.speed * duration, user.heading, length) for way in ways]
     if len(turns) == 1:
         return turns[0] / duration
@@ -81,8 +81,8 @@ def turn_rate(graph: RoadGraph, user: RoadUser, duration: float) -> float:
 def places_after(graph: RoadGraph, user: RoadUser, time: float) -> list[tuple[float, ...]]:
     """Return the boxes (front x, y, heading, speed, length, width) of a user who keeps its speed for `time` s: on each way
     that it may take, as far left of it as now, and straight on."""
-    way, at, length = user.speed * time, user.lane_position, user.body.length
-    rest = (user.speed, length, user.body.width)
+    way, at, length = user.speed * time, user.lane_position, user.body.turning_length
+    rest = (user.speed, user.body.length, user.body.width)
     c, s = math.cos(user.heading), math.sin(user.heading)
     places: list[tuple[float, ...]] = [(user.x + way * c, user.y + way * s, user.heading, *rest)]
     for path in paths_ahead(graph, user.lane_id, user.route[:3]):

@@ -404,7 +404,9 @@ def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, l
     line = crossing.line
     if conflict.region.own.start < 0.0 and snapshot.front > line:
         return inside if inside is not None and inside >= stops else None  # on it already: off it
-    if max(crossing.connection.hold_back, crossing.swing) > 0.0 and snapshot.front <= crossing.passage.start:
+    over = conflict.reaches_over
+    if max(crossing.connection.hold_back, crossing.swing, over) > 0.0 and snapshot.front <= crossing.passage.start:
+        line = min(line, crossing.passage.start - over - REGION_MARGIN_M) if over > 0.0 else line
         line = min(max(line, stops), crossing.passage.start)  # too late for it: as soon as can be
     places = [line] if inside is None else [inside, line]
     if snapshot.front > crossing.passage.start:
