@@ -30,6 +30,9 @@ _LEAVING_M, _ALONG = 0.4, 0.95
 """A front this far beside the middle of its lane begins to leave it, as does one whose car is turned by more than the angle
 with this cosine."""
 
+_BEFORE_END_M = 0.01
+"""Who has passed the end of the lane is shown this far before it: at the end itself SUMO has it in the junction."""
+
 _VAPORIZED = 3
 _NO_LIMIT = 100.0
 _SPEED_FACTOR = 2.0
@@ -251,7 +254,7 @@ class StandIns:
             self.hide()
             return
         lane, x, y, speed, edges, waits, ways = place
-        s, _ = lane.spine.project(x, y)
+        s = min(lane.spine.project(x, y)[0], lane.spine.length - _BEFORE_END_M)
         if self._present and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._present:

@@ -136,3 +136,10 @@ def test_one_that_waits_appears_where_its_body_of_5_m_touches_nobodys(monkeypatc
     # there is one: it stays, whoever else is there
     stand_ins.show(OccupiedLane(net.lane("w_0"), 49.0, -1.6, 5.0, ("w",), waits=True))
     assert orders(libsumo.vehicle.told) == ["setSpeed", "moveToXY"]
+
+
+def test_past_the_end_of_its_lane_it_stays_on_it(monkeypatch, net):
+    """SUMO has what is put on the end itself in the junction, and crashes when it is moved from there."""
+    told = scripted(monkeypatch)
+    StandIns("ego", ".x").show(OccupiedLane(net.lane("w_0"), 97.0, -1.6, 5.0, ("w", "e")))
+    assert told[-1][4] == pytest.approx(95.99)
