@@ -160,7 +160,7 @@ class Driving:
         )  # fmt: skip
 
     def _start_onto(self, asked: Request, time: float) -> PlanStart:
-        """Return the start on the lane that the car has turned into, or on one behind it that its front has reached."""
+        """Return the start on the lane that the car has turned into, or on what is behind it that its front has reached."""
         pose, reach = self.drive.ego.pose, self.controller.limits.front_to_rear_axle
         x, y = pose.x + reach * math.cos(pose.heading), pose.y + reach * math.sin(pose.heading)
         lane, index = self.graph.lanes[asked.onto], asked.route_index
@@ -169,14 +169,18 @@ class Driving:
             reached = onward.spine.project(x, y)[0]
             if reached <= 0.0:
                 break
-            lane, index, position = onward, index + 1, reached
+            lane, index, position = onward, index + (not onward.is_internal), reached
         return replace(self._start(time), lane_id=lane.id, lane_position=position, route_index=index)
 
     def _onward(self, lane: Lane, index: int) -> Lane | None:
-        """Return a lane that leads on from one of the route's edge `index`; None: there is none."""
-        following = self.route.edges[index + 1 : index + 2]
-        ahead = (self.graph.lanes.get(way.to_lane) for way in self.graph.ways_from(lane.id))
-        return next((one for one in ahead if one is not None and one.edge_id in following), None)
+        """Return what leads on from a lane of, or behind, the route's edge `index`; None: nothing."""
+        following, graph = self.route.edges[index + 1 : index + 2], self.graph
+        inside = graph.connection_of.get(lane.id)
+        for way in graph.ways_from(lane.id) if inside is None else (inside,):
+            if way.to_lane in graph.lanes and graph.lanes[way.to_lane].edge_id in following:
+                names = lane.id, *way.parts, way.to_lane
+                return graph.lanes[names[names.index(lane.id, 1 if inside else 0) + 1]]
+        return None
 
     def _looked_for_rerouting(self) -> tuple[Driving, Rerouting | None]:
         """Return the other way from the car's lane to its goal, looked for once on each lane."""

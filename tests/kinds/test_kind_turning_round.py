@@ -22,6 +22,20 @@ def small() -> Net:
     return Net(drawn.nodes, drawn.edges, options=("--default.junctions.radius", "1.5"))
 
 
+def twin(apart: float) -> Net:
+    """Return two one-way roads, `apart` m from each other, that a to b and c to d, with hardly any road from b to c."""
+    places = {"a": (0, 0), "b": (120, 0), "e": (240, 0), "d": (0, apart), "c": (120, apart), "f": (240, apart)}
+    nodes = "".join(node(name, *place) for name, place in places.items())
+    return Net(nodes, "".join(edge(ends, spreadType="center") for ends in ("ab", "be", "bc", "cd", "fc")))
+
+
+def stub(length: float) -> Net:
+    """Return a road along w, a, b, e with a side road at a and at b, these `length` m from each other."""
+    places = {"w": (-80, 0), "a": (0, 0), "b": (length, 0), "e": (length + 80, 0), "n": (0, 80), "s": (length, -80)}
+    roads = ("wa", "aw", "ab", "ba", "be", "eb", "an", "na", "bs", "sb")
+    return Net("".join(node(name, *place) for name, place in places.items()), "".join(map(edge, roads)), options=())
+
+
 def lost(run: Run) -> float:
     """How much longer the ego takes than SUMO's own driver, s."""
     return run.ego.duration - run.own.duration
@@ -31,6 +45,20 @@ def test_a_turn_in_several_moves_takes_no_longer_than_it_must(tmp_path):
     run = driven(tmp_path, tee(), car("ego", "ab ba"))
     assert run.complaints(slower=9.0) == []
     assert lost(run) < TURN_S
+
+
+@pytest.mark.parametrize("apart", [2.5, 3.2, 4.0])
+def test_a_turn_back_over_two_junctions_with_hardly_any_road_in_between_stays_on_the_road(tmp_path, apart):
+    run = driven(tmp_path, twin(apart), car("ego", "ab bc cd"))
+    assert run.complaints(slower=9.0) == []
+    assert run.result.metrics["off_road_s"] == 0.0
+
+
+@pytest.mark.parametrize(("length", "speed"), [(18, 0), (20, 0), (22, 0), (22, 3)])
+def test_who_departs_on_a_road_hardly_longer_than_the_car_turns_round_on_the_road(tmp_path, length, speed):
+    run = driven(tmp_path, stub(length), car("ego", "ab ba an", departSpeed=speed))
+    assert run.complaints(slower=9.0) == []
+    assert run.result.metrics["off_road_s"] == 0.0
 
 
 @pytest.mark.parametrize("late", [0.0, 0.4, 0.8, 1.2, 1.6])

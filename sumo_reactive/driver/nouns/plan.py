@@ -169,6 +169,10 @@ class Turnaround:
     duration: float
     into: float
 
+    def holds(self, passage: Passage) -> bool:
+        """Whether a passage is part of the turn."""
+        return self.line <= passage.start and passage.end <= self.end
+
     @property
     def pace(self) -> float:
         """The speed along C that takes as long as the moves, m/s."""

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
-from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.geometry.polyline import Polyline, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, NominalPlan, Passage, PlannedStop, Turnaround
 from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.path.lane_choice import LaneChoice, LaneStep, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.driver.path.trajectory import PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
-from sumo_reactive.driver.path.turnaround import leads_back, road_around, turn_in_moves
+from sumo_reactive.driver.path.turnaround import road_around, turn_in_moves, ways_back
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -24,7 +24,9 @@ from sumo_reactive.driver.world.route import Route
 from sumo_reactive.errors import PlanError
 
 LATE_M = 0.3
-"""A car past the place where a turn in several moves begins by more than this turns in one sweep."""
+"""A car past the place where a turn in several moves begins by more than this begins where it can stop…"""
+ASKEW_RAD = 0.1
+"""…if it stands along its lane; else it turns in one sweep."""
 PROJECTION_REACH_M = 15.0
 """The front axle is looked for this far around its stated lane position."""
 
@@ -76,7 +78,7 @@ def plan(
     choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
-    turns = _turns(reference, route, limits, vehicle_class)
+    turns = _turns(reference, route, limits, vehicle_class, start)
     in_moves = [(turn.start, turn.end) for turn in turns]
     course = trajectory(reference, start.curve_start(limits.wheelbase), limits, aside, in_moves)
     nominal = _on_curve(reference, course, limits, start, left, turns)
@@ -84,23 +86,30 @@ def plan(
     return replace(nominal, aside=kept_aside, parallel_lanes=parallel_lanes(choice, nominal.segments))
 
 
-def _turns(reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str) -> list[Turnaround]:
+def _turns(
+    reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str, start: PlanStart
+) -> list[Turnaround]:
     """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
-    found = []
-    for connection, began, ended in reference.passages:
-        if began < 0.0 or not leads_back(reference.graph, connection.id):  # it has begun before the plan does
-            continue
+    found, graph = [], reference.graph
+    ahead = [passage for passage in reference.passages if passage[1] >= 0.0]  # others have begun before the plan does
+    for ways, began, ended in ways_back(graph, ahead):
         before = _piece_at(reference, began).route_index  # of the edge before the junction
-        around = road_around(reference.graph, connection.id, route.edges, before, limits)
-        turn = turn_in_moves(reference.graph, connection.id, limits, vehicle_class, around)
-        if turn is None or began - turn.before - limits.parameters.stop_line_margin_m <= limits.front_overhang - LATE_M:
+        around = road_around(graph, ways, route.edges, before, limits)
+        turn = turn_in_moves(graph, ways, limits, vehicle_class, around)
+        latest = began - limits.parameters.stop_line_margin_m - limits.front_overhang
+        if turn is not None and turn.before >= latest + LATE_M:
+            latest = round(latest - start.speed**2 / (2.0 * limits.service_deceleration), 1)
+            along = graph.lanes[graph.connections[ways[0]].from_lane].spine
+            askew = abs(wrapped(start.pose.heading - along.heading_at(along.length)))
+            turn = turn_in_moves(graph, ways, limits, vehicle_class, around, latest) if askew < ASKEW_RAD else None
+        if turn is None:
             continue
-        start = began - turn.before
-        own = _piece_at(reference, start)
+        own = _piece_at(reference, min(began - turn.before, began - CURVE_STEP_M))
         if not own.lane.is_internal:
-            index = _index_behind(route, reference.graph.lanes[connection.to_lane].edge_id, before)
-            lanes = own.lane.id, own.route_index, connection.to_lane, index
-            found.append(Turnaround(start, began, ended, *lanes, turn.moves, turn.duration, turn.into))
+            to_lane = graph.connections[ways[-1]].to_lane
+            index = _index_behind(route, graph.lanes[to_lane].edge_id, before + len(ways) - 1)
+            lanes = own.lane.id, own.route_index, to_lane, index
+            found.append(Turnaround(began - turn.before, began, ended, *lanes, turn.moves, turn.duration, turn.into))
     return found
 
 

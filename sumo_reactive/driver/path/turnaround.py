@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
-from sumo_reactive.driver.geometry.polyline import Floats, Polyline
+from sumo_reactive.driver.geometry.polyline import Floats, Polyline, cut, joined, wrapped
 from sumo_reactive.driver.geometry.swept import steering_along
 from sumo_reactive.driver.nouns.plan import MOVE_SPEED, Move
 from sumo_reactive.driver.nouns.state import Pose
@@ -56,6 +56,8 @@ INTO_LANE_M = 0.4
 """The front axle ends the turn this near to the middle of its lane."""
 MOST_TRIED = 500
 """Moves that are tried until a turn is given up."""
+BETWEEN_M = 1.0
+"""Junctions this near to each other are one to who turns round."""
 STUB_LENGTHS = 2.0
 """A road shorter than so many lengths of the car is too short to turn round on it alone."""
 SAME_M, SAME_RAD = 0.4, 0.08
@@ -73,17 +75,48 @@ class MultiPointTurn(NamedTuple):
 
 
 class Around(NamedTuple):
-    """The lanes that the route takes before and behind a connection that leads back, in driving order."""
+    """The lanes that the route takes before and behind a way back, in driving order, and the `apron`: a connection behind
+    them, by its id, with how far the front may reach into it, m."""
 
     before: tuple[str, ...] = ()
     behind: tuple[str, ...] = ()
+    apron: tuple[str, float] | None = None
 
 
-def road_near(lanes: Sequence[Lane], x: float, y: float) -> Floats:
-    """Return the road that `lanes` cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to (x, y) with half their
-    width, (k, 5), m."""
-    chains = [lane.spine.points for lane in lanes]
-    half = np.concatenate([np.full(len(c) - 1, 0.5 * lane.width) for c, lane in zip(chains, lanes, strict=True)])
+class WayBack(NamedTuple):
+    """Where a turn leads from lane `own` to lane `behind` over `parts`, the lanes in between, along `path`; `hold_back` m
+    before the end of its own lane it waits."""
+
+    own: Lane
+    behind: Lane
+    parts: tuple[str, ...]
+    path: Polyline
+    hold_back: float
+
+    @property
+    def turned(self) -> float:
+        """By how much it turns, rad."""
+        ways = np.diff(self.path.points, axis=0)
+        ends = self.own.spine.heading_at(self.own.spine.length), self.behind.spine.heading_at(0.0)
+        headings = np.unwrap([ends[0], *np.arctan2(ways[:, 1], ways[:, 0]), ends[1]])
+        return float(headings[-1] - headings[0])
+
+
+def way_over(graph: RoadGraph, connection_ids: Sequence[str]) -> WayBack:
+    """Return the way over connections that follow each other."""
+    ways = [graph.connections[one] for one in connection_ids]
+    between = [way.to_lane for way in ways[:-1]]
+    parts = [name for way, lane in zip(ways, (*between, ""), strict=True) for name in (*way.parts, lane) if name]
+    chains = [part for way in ways for part in (way.path.points, graph.lanes[way.to_lane].spine.points)][:-1]
+    own, behind = graph.lanes[ways[0].from_lane], graph.lanes[ways[-1].to_lane]
+    return WayBack(own, behind, tuple(parts), Polyline(joined(chains)), ways[0].hold_back)
+
+
+def road_near(lines: Sequence[tuple[Polyline, float]], x: float, y: float) -> Floats:
+    """Return the road that `lines` of some width (m) cover within TURNAROUND_LEAD_M of (x, y): segments from (x, y) to
+    (x, y) with half their width, (k, 5), m."""
+    chains = [line.points for line, _ in lines]
+    half = np.concatenate([np.full(len(line.points) - 1, 0.5 * width) for line, width in lines])
     ground = np.column_stack((np.vstack([c[:-1] for c in chains]), np.vstack([c[1:] for c in chains]), half))
     near = [_beyond(segment[None], x, y) < TURNAROUND_LEAD_M for segment in ground]
     return ground[near]
@@ -121,13 +154,13 @@ def _arc(
 
 
 class _Task(NamedTuple):
-    """Where to turn: on what ground (k, 5), how far beyond it with front and rear (m), into what lane, up to which heading
-    (rad), to which side (1: left)."""
+    """Where to turn: on what ground (k, 5), how far beyond it with front and rear (m), into what `line` and on along it, up
+    to which headings of its segments (n − 1,), rad, to which side (1: left)."""
 
     ground: Floats
     beyond: tuple[float, float]
-    lane: Polyline
-    until: float
+    line: Polyline
+    headings: Floats
     side: int
     limits: VehicleLimits
 
@@ -142,50 +175,94 @@ class _Task(NamedTuple):
         return Move(gear, angle, math.sin(angle) / self.limits.wheelbase, until, is_last)
 
     def turned(self, arc: Floats) -> int:
-        """Return how many of an arc's poses it takes to turn to the end; too many, where they do not."""
-        return int(np.searchsorted(self.side * arc[:, 2], self.side * self.until)) + 1
+        """Return how many of an arc's poses it takes to turn to the way along the line, the front axle on the line; too
+        many, where they do not."""
+        axles = arc[:, :2] + self.limits.wheelbase * np.column_stack((np.cos(arc[:, 2]), np.sin(arc[:, 2])))
+        segments = np.searchsorted(self.line.arc_lengths[1:-1], self.line.arc_lengths_at(axles), side="right")
+        beyond = self.side * (arc[:, 2] - self.headings[segments])
+        is_along = (beyond >= 0.0) & (beyond < SAME_RAD)
+        found = np.flatnonzero(is_along & (np.abs(self.line.offsets(axles)) < INTO_LANE_M))
+        return int(found[0]) + 1 if len(found) else len(arc) + 1
 
-    def ends_in_lane(self, pose: Pose) -> bool:
-        """Whether the front axle is in the lane to turn into."""
-        return bool(abs(self.lane.offsets(np.array([pose.ahead(self.limits.wheelbase)]))[0]) < INTO_LANE_M)
+    def turns_back(self, arc: Floats) -> int:
+        """Return how many of an arc's poses do not turn beyond the way into the line."""
+        return int(np.searchsorted(self.side * arc[:, 2], self.side * self.headings[0]))
 
     def front_along(self, pose: Pose) -> float:
-        """Return how far along the lane to turn into the front bumper is, m; it may be past its end."""
-        (x, y), (fx, fy) = self.lane.at(0.0), pose.ahead(self.limits.front_to_rear_axle)
-        return (fx - x) * math.cos(self.until) + (fy - y) * math.sin(self.until)
+        """Return how far along the line the front bumper is, m."""
+        (x, y), end, line = pose.ahead(self.limits.front_to_rear_axle), self.line.length, self.line
+        (ex, ey), heading = line.at(end), line.heading_at(end)
+        past = (x - ex) * math.cos(heading) + (y - ey) * math.sin(heading)
+        along = line.project(x, y)[0]
+        return along if along < end else end + max(past, 0.0)
 
 
 @kept(TURNAROUNDS_KEPT)
-def leads_back(graph: RoadGraph, connection_id: str) -> bool:
-    """Whether a connection leads back beside the way it comes from."""
-    connection = graph.connections[connection_id]
-    return abs(_turned(graph.lanes[connection.from_lane], connection, graph.lanes[connection.to_lane])) >= U_TURN_RAD
+def leads_back(graph: RoadGraph, connection_ids: tuple[str, ...]) -> bool:
+    """Whether connections that follow each other lead back beside the way they come from."""
+    return abs(wrapped(way_over(graph, connection_ids).turned)) >= U_TURN_RAD
+
+
+def ways_back(
+    graph: RoadGraph, passages: Sequence[tuple[Connection, float, float]]
+) -> Iterator[tuple[tuple[str, ...], float, float]]:
+    """Yield the connections of each way back among `passages` (connection, where it begins and ends, m), and where it begins
+    and ends: one, or several with hardly any road in between."""
+    first = 0
+    while first < len(passages):
+        last, found = first + 1, False
+        while not (found := leads_back(graph, tuple(way.id for way, *_ in passages[first:last]))):
+            if last == len(passages) or passages[last][1] - passages[last - 1][2] > BETWEEN_M:
+                break
+            last += 1
+        if found:
+            yield tuple(way.id for way, *_ in passages[first:last]), passages[first][1], passages[last - 1][2]
+        first = last if found else first + 1
 
 
 def road_around(
-    graph: RoadGraph, connection_id: str, edges: Sequence[str], index: int, limits: VehicleLimits
+    graph: RoadGraph, connection_ids: tuple[str, ...], edges: Sequence[str], index: int, limits: VehicleLimits
 ) -> Around:
-    """Return what a route over `edges` takes before and behind a connection from `edges[index]`, where the roads that it
-    joins are too short to turn round on: as far as nobody is yielded to and no light waited for in between."""
-    own = graph.connections[connection_id]
-    before = _lanes_on(graph, own.from_lane, edges[:index][::-1], -1, limits)
-    return Around(before[::-1], _lanes_on(graph, own.to_lane, edges[index + 2 :], 1, limits))
+    """Return what a route over `edges` takes before and behind a way back from `edges[index]`, where the roads that it joins
+    are too short to turn round on: as far as nobody is yielded to and no light waited for in between."""
+    way, onward = way_over(graph, connection_ids), edges[index + 1 + len(connection_ids) :]
+    before, _ = _lanes_on(graph, way.own.id, edges[:index][::-1], -1, limits)
+    behind, is_short = _lanes_on(graph, way.behind.id, onward, 1, limits)
+    reached = sum(graph.lanes[name].edge_id in onward for name in behind)
+    apron = _apron(graph, (way.behind.id, *behind)[-1], onward[reached : reached + 1]) if is_short else None
+    return Around(before[::-1], behind, apron)
 
 
 def _lanes_on(
     graph: RoadGraph, lane_id: str, edges: Sequence[str], step: int, limits: VehicleLimits
-) -> tuple[str, ...]:
-    """Return the lanes over `edges` that follow on a lane (`step` 1) or come before it (−1), as far as needed to turn."""
+) -> tuple[tuple[str, ...], bool]:
+    """Return the lanes over `edges` that follow on a lane (`step` 1) or come before it (−1), as far as needed to turn, and
+    whether more would be needed."""
     found, reach = list[str](), graph.lanes[lane_id].spine.length
+    needed = STUB_LENGTHS * limits.length
     for edge_id in edges:
         ways = (graph.ways_from if step > 0 else graph.ways_into)(lane_id)
-        onward = _joining(graph, ways, edge_id, step) if reach < STUB_LENGTHS * limits.length else None
+        onward = _joining(graph, ways, edge_id, step) if reach < needed else None
         if onward is None:
             break
         lane_id = onward.to_lane if step > 0 else onward.from_lane
         found += (*onward.parts[::step], lane_id)
         reach += graph.lanes[lane_id].spine.length
-    return tuple(found)
+    return tuple(found), reach < needed
+
+
+def _apron(graph: RoadGraph, lane_id: str, edges: Sequence[str]) -> tuple[str, float] | None:
+    """Return the connection from a lane to the next of `edges`, straight on where there is none, and how far it leads before
+    somebody has to be yielded to, m; None: there is none, or a light."""
+    ways = [way for way in graph.ways_from(lane_id) if way.to_lane in graph.lanes]
+    ways = [way for way in ways if not edges or graph.lanes[way.to_lane].edge_id in edges]
+    way = min(ways, key=lambda one: abs(one.path.heading_at(one.path.length) - one.path.heading_at(0.0)), default=None)
+    if way is None or way.light is not None:
+        return None
+    rule = graph.junctions[way.junction_id].right_of_way
+    regions = [(one.own.start, graph.connections[one.other_id].index) for one in graph.regions_on(way)]
+    length = min([start for start, other in regions if rule.must_yield(way.index, other)], default=way.path.length)
+    return (way.id, length) if length > CURVE_STEP_M else None
 
 
 def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: int) -> Connection | None:
@@ -201,50 +278,64 @@ def _joining(graph: RoadGraph, ways: Sequence[Connection], edge_id: str, step: i
 
 @kept(TURNAROUNDS_KEPT)
 def turn_in_moves(
-    graph: RoadGraph, connection_id: str, limits: VehicleLimits, vehicle_class: str = "passenger",
-    around: Around | None = None,
+    graph: RoadGraph, connection_ids: tuple[str, ...], limits: VehicleLimits, vehicle_class: str = "passenger",
+    around: Around | None = None, latest: float | None = None,
 ) -> MultiPointTurn | None:  # fmt: skip
-    """Return how the car turns round on a connection that leads back; None: in one sweep, or no moves are found.
+    """Return how the car turns round on a way back; None: in one sweep, or no moves are found.
 
     As few moves as possible, and if it can be with the middles of its bumpers on the road, to which the lanes `around`
-    belong. On a stub it may begin on a lane before it.
+    belong. On a stub it may begin on a lane before it; who cannot stop there begins where he can, his front `latest` m
+    before the end of the lane.
     """
-    connection = graph.connections[connection_id]
-    own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
-    turned, around = _turned(own, connection, behind), around or Around()
-    inside = [graph.lanes[name] for name in (*connection.parts, *around.before, *around.behind)]
+    way, around = way_over(graph, connection_ids), around or Around()
+    inside = [graph.lanes[name] for name in (*way.parts, *around.before, *around.behind)]
     before, exits = (
-        [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (own, behind)
+        [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (way.own, way.behind)
     )
-    if not leads_back(graph, connection_id) or _is_swept(graph, connection, limits, [*before, *inside, *exits]):
+    if not leads_back(graph, connection_ids) or _is_swept(graph, connection_ids, limits, [*before, *inside, *exits]):
         return None
-    approach = Polyline(np.vstack([*(graph.lanes[name].spine.points for name in around.before), own.spine.points]))
-    ground, side = road_near([own, *inside, *exits], *own.spine.at(own.spine.length)), 1 if turned > 0.0 else -1
-    start = own.spine.heading_at(own.spine.length)
+    lanes = [graph.lanes[name] for name in around.before]
+    approach = Polyline(np.vstack([lane.spine.points for lane in (*lanes, way.own)]))
+    ground = _ground(graph, [way.own, *inside, *exits], around.apron, way.own)
+    line = _onward(graph, way.behind, around)
+    heading, side = way.own.spine.heading_at(way.own.spine.length) + way.turned, 1 if way.turned > 0.0 else -1
+    ways = np.diff(line.points, axis=0)
+    headings = heading + np.unwrap(np.arctan2(ways[:, 1], ways[:, 0])) - line.heading_at(0.0)
+    places = [way.hold_back + more for more in BEGINNINGS_M] if latest is None else [latest]
     for most, share, more in ATTEMPTS:
         aside = share * max(0.5 * limits.width - OFF_ROAD_SPARE_M, 0.0)
-        task = _Task(ground, (aside, aside + more), behind.spine, start + turned, side, limits)
-        found = _searched(task, _beginnings(approach, connection.hold_back, limits), most)
+        task = _Task(ground, (aside, aside + more), line, headings, side, limits)
+        found = _searched(task, _beginnings(approach, places, limits), most)
         if found is not None:
             return found
     return None
 
 
-def _turned(own: Lane, connection: Connection, behind: Lane) -> float:
-    """Return by how much the way from one lane to another turns, rad."""
-    ways = np.diff(connection.path.points, axis=0)
-    ends = own.spine.heading_at(own.spine.length), behind.spine.heading_at(0.0)
-    headings = np.unwrap([ends[0], *np.arctan2(ways[:, 1], ways[:, 0]), ends[1]])
-    return float(headings[-1] - headings[0])
+def _onward(graph: RoadGraph, behind: Lane, around: Around) -> Polyline:
+    """Return the line of lane `behind` and of what follows on it."""
+    lines = [graph.lanes[name].spine for name in (behind.id, *around.behind)]
+    if around.apron is not None:
+        lines.append(graph.connections[around.apron[0]].path)
+    return Polyline(joined([line.points for line in lines]))
 
 
-def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, lanes: list[Lane]) -> bool:
-    """Whether the car turns on a connection in one sweep, the middle of its front bumper not off the road."""
-    own, behind = graph.lanes[connection.from_lane], graph.lanes[connection.to_lane]
-    reference = Reference(graph)
-    reference.follow(own, 0, own.spine.length - TURNAROUND_LEAD_M, own.spine.length)
-    reference.pass_junction(connection, 0)
-    reference.follow(behind, 0, 0.0, min(TURNAROUND_LEAD_M, behind.spine.length))
+def _ground(graph: RoadGraph, lanes: Sequence[Lane], apron: tuple[str, float] | None, own: Lane) -> Floats:
+    """Return the road (k, 5) near the end of lane `own` that `lanes` and the apron cover."""
+    lines = [(lane.spine, lane.width) for lane in lanes]
+    if apron is not None:
+        way = graph.connections[apron[0]]
+        lines.append((Polyline(cut(way.path, 0.0, apron[1])), way.width))
+    return road_near(lines, *own.spine.at(own.spine.length))
+
+
+def _is_swept(graph: RoadGraph, connection_ids: Sequence[str], limits: VehicleLimits, lanes: list[Lane]) -> bool:
+    """Whether the car turns on a way back in one sweep, the middle of its front bumper not off the road."""
+    way, reference = way_over(graph, connection_ids), Reference(graph)
+    reference.follow(way.own, 0, way.own.spine.length - TURNAROUND_LEAD_M, way.own.spine.length)
+    for one in connection_ids:
+        reference.pass_junction(graph.connections[one], 0)
+        lane = graph.lanes[graph.connections[one].to_lane]
+        reference.follow(lane, 0, 0.0, min(TURNAROUND_LEAD_M, lane.spine.length))
     reference.run_out(TURNAROUND_LEAD_M)
     first, second = reference.points[0][:2]
     heading = math.atan2(second[1] - first[1], second[0] - first[0])
@@ -254,19 +345,18 @@ def _is_swept(graph: RoadGraph, connection: Connection, limits: VehicleLimits, l
     reach = limits.front_overhang
     bumper = np.column_stack((curve.x + reach * np.cos(along), curve.y + reach * np.sin(along)))
     near = int(TURNAROUND_LEAD_M / CURVE_STEP_M)
-    ground = road_near(lanes, *own.spine.at(own.spine.length))
+    ground = _ground(graph, lanes, None, way.own)
     return all(_beyond(ground, x, y) < 0.5 * limits.width for x, y in bumper[near // 2 : len(bumper) - near].tolist())
 
 
-def _beginnings(spine: Polyline, hold_back: float, limits: VehicleLimits) -> list[tuple[float, Pose]]:
-    """Return where the turn may begin: the bumper's way to the end of the lane (m), and the pose there."""
+def _beginnings(spine: Polyline, places: Sequence[float], limits: VehicleLimits) -> list[tuple[float, Pose]]:
+    """Return where the turn may begin: the bumper's way to the end of the lane (m), one of `places`, and the pose there."""
     found = []
-    for more in BEGINNINGS_M:
-        before = hold_back + more
+    for before in places:
         if before < spine.length:
-            place = spine.length - before - limits.parameters.stop_line_margin_m
-            front = Pose(*spine.at(place), spine.heading_at(place))
-            found.append((before, Pose(*front.ahead(-limits.front_to_rear_axle), front.heading)))
+            way = cut(spine, 0.0, spine.length - before - limits.parameters.stop_line_margin_m)
+            (x, y), heading = way[-1].tolist(), math.atan2(*(way[-1] - way[-2])[::-1])
+            found.append((before, Pose(*Pose(x, y, heading).ahead(-limits.front_to_rear_axle), heading)))
     return found
 
 
@@ -289,7 +379,7 @@ def _searched(task: _Task, beginnings: list[tuple[float, Pose]], most: int) -> M
             duration = (way + last[1]) / MOVE_SPEED + MOVE_CHANGE_S * (len(moves) + 1)
             return MultiPointTurn(before, (*moves, last[0]), duration, task.front_along(last[2]))
         arc = task.arc(pose, gear, gear * lock)
-        end = min(len(arc), task.turned(arc) - 1)
+        end = min(len(arc), task.turns_back(arc))
         for k in {int(share * end) for share in SHARES}:
             if k >= 2:
                 after = Pose(*arc[k - 1].tolist())
@@ -303,7 +393,7 @@ def _last_move(task: _Task, pose: Pose, lock: float) -> tuple[Move, float, Pose]
     for share in LOCKS:
         arc = task.arc(pose, 1, share * lock)
         k = task.turned(arc)
-        end = Pose(*arc[k - 1].tolist()) if k <= len(arc) else None
-        if end is not None and task.ends_in_lane(end):
-            return task.move(1, share * lock, task.until, is_last=True), k * ARC_STEP_M, end
+        if k <= len(arc):
+            end = Pose(*arc[k - 1].tolist())
+            return task.move(1, share * lock, end.heading, is_last=True), k * ARC_STEP_M, end
     return None

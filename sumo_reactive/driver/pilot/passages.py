@@ -88,7 +88,7 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         first = max(0, int(max(passage.start - connection.hold_back, snapshot.s) / plan.curve.step))
         last = max(first + 1, int(passage.end / plan.curve.step) + 1)
         pace = _pace(plan, first, last) if first < len(plan.speed_limits) else connection.speed_limit
-        turn = next((one for one in plan.turnarounds if one.end == passage.end), None)
+        turn = next((one for one in plan.turnarounds if one.holds(passage)), None)
         wait_at = _place_inside(connection, conflicts)
         in_the_way = frozenset(conflict.other.id for conflict in conflicts if conflict.waits_in_the_way)
         yield Crossing(

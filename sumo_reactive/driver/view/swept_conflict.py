@@ -56,11 +56,10 @@ def swept_conflicts(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) 
     """Return the conflicts with those over whose ways the body swings where the map calls them free, by passage."""
     if limits.length <= ORDINARY_M:
         return {}
-    turned = {turn.end for turn in plan.turnarounds}
     found = {}
     for i, passage in enumerate(plan.passages):
         junction = graph.junctions.get(passage.junction_id)
-        if junction is not None and passage.end not in turned:
+        if junction is not None and not any(turn.holds(passage) for turn in plan.turnarounds):
             found[i] = tuple(_conflicts(plan, passage, junction, graph, limits))
     return {i: conflicts for i, conflicts in found.items() if conflicts}
 

@@ -56,7 +56,8 @@ def test_c_turns_once_and_its_passage_begins_where_it_leaves_the_lane(position: 
     assert found.curve.x.max() < 56.0
     (passage,) = found.passages
     x, y, _ = found.curve.at(passage.start)
-    assert np.hypot(x - 54.0, y) < 1.5
+    assert np.hypot(x - 54.0, y) < 1.8  # C rounds the corner there
+    assert found.turnarounds == ()
     behind = next(segment for segment in found.segments if segment.lane_id == "b_0")
     assert behind.lane_offset == pytest.approx(2.0, abs=0.6)
 

@@ -14,6 +14,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
 
 WIDTH = 3.2
+WAY = ("a_0->b_0",)
 
 
 def sized(length: float, width: float = 1.8, most: float = 0.65) -> VehicleLimits:
@@ -43,7 +44,7 @@ def driven(turn, limits: VehicleLimits):
 @pytest.mark.parametrize(("length", "most"), [(4.3, 3), (5.0, 3), (7.0, 7)])
 def test_a_car_turns_round_on_a_narrow_road_and_its_bumpers_hardly_leave_it(length, most, left_hand):
     limits = sized(length)
-    turn = turn_in_moves(dead_end(left_hand=left_hand), "a_0->b_0", limits)
+    turn = turn_in_moves(dead_end(left_hand=left_hand), WAY, limits)
     assert len(turn.moves) <= most
     assert [move.gear for move in turn.moves] == [1, -1] * (len(turn.moves) // 2) + [1]
     assert [move.is_last for move in turn.moves] == [False] * (len(turn.moves) - 1) + [True]
@@ -62,18 +63,18 @@ def test_a_car_turns_round_on_a_narrow_road_and_its_bumpers_hardly_leave_it(leng
 
 
 def test_where_one_sweep_stays_on_the_road_it_takes_no_moves():
-    assert turn_in_moves(dead_end(), "a_0->b_0", sized(2.2, 0.8)) is None
-    assert turn_in_moves(dead_end(11.0), "a_0->b_0", CAR) is None
+    assert turn_in_moves(dead_end(), WAY, sized(2.2, 0.8)) is None
+    assert turn_in_moves(dead_end(11.0), WAY, CAR) is None
 
 
 def test_a_bend_takes_no_moves():
     roads = [road("a", [(0, 0), (60, 0)]), road("b", [(62, 2), (62, 60)])]
-    assert turn_in_moves(graph(roads, [("a_0", "b_0")]), "a_0->b_0", sized(12.0)) is None
+    assert turn_in_moves(graph(roads, [("a_0", "b_0")]), WAY, sized(12.0)) is None
 
 
 def test_who_finds_no_moves_turns_in_one_sweep():
     bus = sized(12.0, 2.5, 0.8)
-    assert turn_in_moves(dead_end(), "a_0->b_0", bus) is None
+    assert turn_in_moves(dead_end(), WAY, bus) is None
     found = plan(dead_end(), Route(("a", "b"), None, None, ()), "passenger", bus, start_on(dead_end().lanes["a_0"], 20.0))
     assert found.turnarounds == ()
 
@@ -89,10 +90,14 @@ def test_the_plan_stops_before_the_moves_and_schedules_their_time():
     assert took == pytest.approx(turn.duration, rel=0.25)
 
 
-def test_a_car_past_the_beginning_of_the_moves_is_planned_without_them():
+def test_a_car_past_the_beginning_of_the_moves_begins_where_it_can_stop_unless_it_stands_askew():
     world = dead_end()
-    found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start_on(world.lanes["a_0"], 99.9))
-    assert found.turnarounds == ()
+    start = start_on(world.lanes["a_0"], 98.8, speed=1.5)
+    found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start)
+    (turn,) = found.turnarounds
+    assert turn.start == pytest.approx(CAR.front_overhang + 1.5**2 / 9.0 + CAR.parameters.stop_line_margin_m, abs=0.15)
+    askew = replace(start, pose=replace(start.pose, heading=0.3))
+    assert plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, askew).turnarounds == ()
 
 
 def test_a_car_inside_the_turn_is_planned_without_its_moves():
