@@ -109,7 +109,7 @@ class Controller:
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
-            s, d = locate(ego, drive.plan, self.limits, snapshot.s)
+            s, d = self._place(ego, drive.plan, snapshot.s, completed)
             after = drive._replace(ego=ego, s=s, memory=memory, completed=held_plan, d=d)
             return Step(snapshot, completed, execution, after, asked)
         valley = self._valley(drive, snapshot, traffic)
@@ -118,10 +118,16 @@ class Controller:
         execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
-        s, d = locate(execution.state, drive.plan, self.limits, snapshot.s)
+        s, d = self._place(execution.state, drive.plan, snapshot.s, completed)
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after, asked)
+
+    def _place(self, ego: VehicleState, plan: NominalPlan, before: float, completed: CompletedPlan) -> tuple[float, float]:
+        """Return where the front axle is on C, and how far left of it, m; in the moves of a turn it does not go back to
+        where C comes from, to which it may be as near."""
+        s, d = locate(ego, plan, self.limits, before)
+        return (s if completed.move is None else max(s, before)), d
 
     def _completed(
         self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool, *, decides: bool

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from kinds import Net, Run, car, cross, driven, edge, node, stream
 
-TURN_S = 14.5
+TURN_S = 11.0
 """What a turn in three moves may cost beside one on the spot, braking before it and gaining speed behind it included, s."""
 
 

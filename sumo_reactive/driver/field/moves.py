@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
-from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SPEED, Move
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SPEED, TURNED_ON_M, WHEELS_TURNED_RAD, Move
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.vehicle.bicycle import advance, advance_pose
@@ -14,8 +14,13 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 MOVE_SIGHT_M = 0.8
 """A move goes on while the ego's body touches nobody this far beyond where it could stop."""
 
-WHEELS_READY_RAD = 0.3
-"""A move begins when the wheels are this near to its steering angle: meanwhile it drives a few centimetres."""
+WHEELS_READY_RAD = 0.6
+"""A move begins when the wheels are this near to its steering angle: meanwhile it drives half a metre, and turns as much as
+it would in 0.15 m less."""
+
+TURN_ON_M = 0.4
+"""The wheels are turned on to the next move's angle this far before the end, while the car comes to a stand there: some
+0.1 m of the way is left then."""
 
 STRAIGHTENING_SHARE = 0.8
 """Share of the largest steering rate with which the wheels are straightened on the way out."""
@@ -38,16 +43,17 @@ def moved_on(
 ) -> tuple[Command, VehicleState]:
     """Return the next command of a move, gaining speed by `acceleration` (m/s²), and the state it leads to.
 
-    The wheels are turned first, at a stand, and straightened after the last move, or on the way where it rolls out. The ego
-    waits while somebody is in the way.
+    The wheels are turned as it stops and as it begins, and straightened after the last move, or on the way where it rolls
+    out. The ego waits while somebody is in the way.
     """
     ego, hard = snapshot.ego, limits.comfort_deceleration
     speed = max(move.gear * ego.speed, 0.0)
     left = max(move.left(ego.pose.heading), 0.0)
-    turn = _wheels(move, left, speed, limits) - ego.steering_angle
+    ends = _ends(move, left, ego, limits)
+    turn = (move.then if ends else _wheels(move, left, speed, limits)) - ego.steering_angle
     sight = min(speed * speed / (2.0 * hard) + MOVE_SIGHT_M, math.inf if move.rolls_out else left)
     wanted = 0.0
-    if abs(turn) < WHEELS_READY_RAD and _is_free(snapshot, move, left, sight, limits):
+    if not ends and abs(turn) < WHEELS_READY_RAD and _is_free(snapshot, move, left, sight, limits):
         top = MOVE_SPEED if move.gear > 0 else MOVE_BACK_SPEED
         wanted = min(top, speed + acceleration * period)
         if not move.rolls_out:
@@ -56,6 +62,14 @@ def moved_on(
     rate = max(-limits.max_steering_rate, min(limits.max_steering_rate, turn / period))
     command = Command((move.gear * wanted - ego.speed) / period, rate)
     return command, advance(ego, command, limits.wheelbase, period, lowest=-MOVE_BACK_SPEED)
+
+
+def _ends(move: Move, left: float, ego: VehicleState, limits: VehicleLimits) -> bool:
+    """Whether a car with `left` m to the end of a move stops there, its wheels turned on to the next one's angle."""
+    speed = max(move.gear * ego.speed, 0.0)
+    is_turned_on = abs(ego.steering_angle - move.steering_angle) > WHEELS_TURNED_RAD
+    stops_in = speed * speed / (2.0 * limits.comfort_deceleration) + (TURNED_ON_M if is_turned_on else 0.0)
+    return not move.is_last and left < min(stops_in, TURN_ON_M)
 
 
 def _wheels(move: Move, left: float, speed: float, limits: VehicleLimits) -> float:

@@ -34,7 +34,10 @@ MOVE_BACK_SPEED = 2.0
 """m/s; …and how fast those backwards."""
 
 MOVE_END_M = 0.04
-"""A move is over when less of its way is left."""
+"""The last move is over when less of its way is left…"""
+
+TURNED_ON_M = 0.2
+"""…and another when it stands with less of it left: its wheels are turned on to the next one's while it stops."""
 
 WHEELS_TURNED_RAD = 0.03
 """The wheels are straight again when they are this near to it."""
@@ -132,8 +135,8 @@ def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
 @dataclass(frozen=True, slots=True)
 class Move:
     """An arc of a turn in several moves: forwards (`gear` 1) or backwards (−1), wheels at `steering_angle` (rad), which
-    turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad). After the last one C leads on; the car
-    stands there, unless it `rolls_out`."""
+    turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad); `then` (rad) is the steering angle of
+    the next one. After the last one C leads on; the car stands there, unless it `rolls_out`."""
 
     gear: int
     steering_angle: float
@@ -141,6 +144,7 @@ class Move:
     until: float
     is_last: bool = False
     rolls_out: bool = False
+    then: float = 0.0
 
     def left(self, heading: float) -> float:
         """Return the way left of the arc, m, at the car's `heading` (rad); negative where it has turned too far."""
@@ -148,7 +152,8 @@ class Move:
 
     def is_over(self, ego: VehicleState) -> bool:
         """Whether the car is at the end, after the last move with its wheels straight; it stands unless it rolls out."""
-        is_there = self.left(ego.pose.heading) < MOVE_END_M and (self.rolls_out or abs(ego.speed) < STANDING_SPEED)
+        left = MOVE_END_M if self.is_last else TURNED_ON_M
+        is_there = self.left(ego.pose.heading) < left and (self.rolls_out or abs(ego.speed) < STANDING_SPEED)
         return is_there and (not self.is_last or abs(ego.steering_angle) < WHEELS_TURNED_RAD)
 
 

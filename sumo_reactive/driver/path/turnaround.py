@@ -6,6 +6,8 @@ import heapq
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +28,7 @@ from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-MOVE_CHANGE_S = 2.1
+MOVE_CHANGE_S = 1.5
 """What changing between forwards and backwards takes, with the wheels turned from lock to lock, s."""
 
 TURNAROUND_LEAD_M = 30.0
@@ -377,7 +379,7 @@ def _searched(task: _Task, beginnings: list[tuple[float, Pose]], most: int) -> M
         last = _last_move(task, pose, lock) if gear > 0 else None
         if last is not None:
             duration = (way + last[1]) / MOVE_SPEED + MOVE_CHANGE_S * (len(moves) + 1)
-            return MultiPointTurn(before, (*moves, last[0]), duration, task.front_along(last[2]))
+            return MultiPointTurn(before, _in_turn((*moves, last[0])), duration, task.front_along(last[2]))
         arc = task.arc(pose, gear, gear * lock)
         end = min(len(arc), task.turns_back(arc))
         for k in {int(share * end) for share in SHARES}:
@@ -386,6 +388,11 @@ def _searched(task: _Task, beginnings: list[tuple[float, Pose]], most: int) -> M
                 move = task.move(gear, gear * lock, after.heading)
                 heapq.heappush(queue, (count + 1, way + k * ARC_STEP_M, next(number), before, after, (*moves, move)))
     return None
+
+
+def _in_turn(moves: tuple[Move, ...]) -> tuple[Move, ...]:
+    """Return the moves, each with the steering angle of the next."""
+    return (*(replace(one, then=after.steering_angle) for one, after in pairwise(moves)), moves[-1])
 
 
 def _last_move(task: _Task, pose: Pose, lock: float) -> tuple[Move, float, Pose] | None:

@@ -12,7 +12,7 @@ from sumo_reactive.driver.field.executor import BACK_UP_SPEED, back_up, execute
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
-from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, WHEELS_TURNED_RAD, Move
+from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, TURNED_ON_M, WHEELS_TURNED_RAD, Move
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 
 ROAD = plan_along(straight())
@@ -44,7 +44,7 @@ def carried_through(move: Move, ego: VehicleState, seconds: float = 20.0) -> lis
 def test_a_move_turns_the_car_to_its_end_at_walking_speed_and_stops_there(move, top):
     states = carried_through(move, standing(move.steering_angle))
     speeds = [state.speed for state in states]
-    assert states[-1].pose.heading == pytest.approx(1.5, abs=0.02)
+    assert states[-1].pose.heading == pytest.approx(1.5, abs=TURNED_ON_M * BEND)
     assert (max(speeds) if top > 0.0 else min(speeds)) == pytest.approx(top)
     assert abs(speeds[-1]) < 0.1
     gains = [abs(b.speed) - abs(a.speed) for a, b in pairwise(states)]
@@ -52,7 +52,23 @@ def test_a_move_turns_the_car_to_its_end_at_walking_speed_and_stops_there(move, 
     assert min(gains) >= -CAR.comfort_deceleration * PERIOD - 1e-9
 
 
-@pytest.mark.parametrize("angle", [0.0, -0.6, 0.29])
+@pytest.mark.parametrize("then", [0.0, -LOCK])
+def test_the_wheels_are_turned_on_to_the_next_move_while_one_ends_and_it_ends_once(then):
+    states = carried_through(replace(FORWARDS, then=then), standing())
+    turned_on = [state for state in states if state.steering_angle < LOCK - WHEELS_TURNED_RAD]
+    assert turned_on[0].speed > 0.5
+    assert all(b.speed < a.speed for a, b in pairwise(turned_on))
+    assert FORWARDS.is_over(states[-1])
+    assert states[-1].steering_angle < LOCK - 0.3
+
+
+def test_who_is_kept_from_the_end_of_a_move_goes_on_with_its_own_wheels():
+    move, heading = replace(FORWARDS, then=-LOCK), 1.5 - 0.3 * BEND
+    assert moved(move, standing(0.0, heading=heading))[0].steering_rate == CAR.max_steering_rate
+    assert carried_through(move, standing(0.0, heading=heading))[-1].pose.heading > heading
+
+
+@pytest.mark.parametrize("angle", [-0.05, -0.6])
 def test_the_wheels_are_turned_first_at_a_stand(angle):
     command, state = moved(FORWARDS, standing(angle))
     assert state.speed == 0.0
