@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from kinds import Net, Run, car, cross, driven, edge, node, stream
+from kinds import Net, Run, car, cross, driven, edge, node, situation, stream
+
+from sumo_reactive.driver.nouns.decision import Behaviour
+from sumo_reactive.lab.simulation import run_trial
 
 TURN_S = 11.0
 """What a turn in three moves may cost beside one on the spot, braking before it and gaining speed behind it included, s."""
@@ -45,6 +48,15 @@ def test_a_turn_in_several_moves_takes_no_longer_than_it_must(tmp_path):
     run = driven(tmp_path, tee(), car("ego", "ab ba"))
     assert run.complaints(slower=9.0) == []
     assert lost(run) < TURN_S
+
+
+def test_in_the_moves_of_a_turn_the_ego_does_not_fall_back_to_the_branch_of_c_that_it_came_on(tmp_path):
+    places = []
+    seen = situation(tmp_path, tee(), car("ego", "ab ba"))
+    run_trial(seen, observer=lambda scene: places.append((scene.step.behaviour, scene.step.s)))
+    turning = [s for behaviour, s in places if behaviour == Behaviour.TURNING_ROUND.value]
+    assert len(turning) > 100
+    assert turning == sorted(turning)
 
 
 @pytest.mark.parametrize("apart", [2.5, 3.2, 4.0])
