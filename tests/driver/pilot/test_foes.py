@@ -28,12 +28,17 @@ FOE = ROLLING.other("x", "from_west_0", -26.0, 13.0, WEST_EAST)
 Change = Callable[[Foe], Foe]
 
 
-def rules(ego: Situation, change: Change, control: Control = Control.MINOR, lights: dict[str, str] | None = None) -> Rules:
-    """What the highway code asks for with each foe that is seen changed so."""
+def rules(
+    ego: Situation, change: Change, control: Control = Control.MINOR, lights: dict[str, str] | None = None, **what: bool
+) -> Rules:
+    """What the highway code asks for with each foe that is seen changed so; `what` is different at the conflicts."""
     snapshot = ego.seen(FOE, lights=lights)
     snapshot = snapshot._replace(foes=tuple(map(change, snapshot.foes)))
     seen = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
-    ahead = tuple((i, replace(connection, control=control), conflicts) for i, connection, conflicts in seen)
+    ahead = tuple(
+        (i, replace(connection, control=control), tuple(conflict._replace(**what) for conflict in conflicts))
+        for i, connection, conflicts in seen
+    )
     return ask(view_of(snapshot, ego.plan, CAR, ahead), HIGHWAY_CODE, None, ego.memory)[0]
 
 
@@ -104,10 +109,19 @@ def comes(to_region: float, to_line: float, speed: float, length: float = 8.0, w
             conflict = conflict._replace(region=moved)
         if "control" in what:
             conflict = conflict._replace(other=replace(conflict.other, control=what["control"]))
-        user = foe.user._replace(speed=speed, waiting_time=waiting)
+        user = foe.user._replace(speed=speed, waiting_time=waiting, acceleration=-what.get("braking", 0.0))
         return Foe(user, foe.passage, conflict, to_line, to_region, to_region + length)
 
     return change
+
+
+@pytest.mark.parametrize(("in_the_way", "braking", "goes_on"), [(True, 4.5, False), (True, 0.0, True), (False, 4.5, True)])
+def test_who_brakes_to_wait_in_the_ego_s_way_will_not_have_gone_first(in_the_way, braking, goes_on):
+    """It lets the ego go, which cannot pass it there: each would wait for the other."""
+    ego = before("four_way_priority", SOUTH_NORTH, 40.0, 10.0)
+    yields = comes(6.0, 5.0, 6.5, must_yield=False, is_yielded_to=True, braking=braking)
+    found = rules(ego, yields, waits_in_the_way=in_the_way)
+    assert (reason(found) is None) is goes_on
 
 
 @pytest.mark.parametrize(

@@ -210,6 +210,8 @@ def judge(
         own = turning(crossing.turn.start - front, speed, limits.acceleration_in_plan, crossing.turn.duration)
     other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
     may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
+    if not committed and _stops_in_the_way(foe, crossing):
+        may_follow = False
     if not may_follow and _leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
         may_follow = True
         own = own._replace(arrival=travel_time(to_region, speed, limits.max_acceleration, crossing.pace))
@@ -363,11 +365,22 @@ def _gives_way(foe: Foe, committed: bool, crossing: Crossing, parameters: Parame
         return False  # each would wait for the other there
     if room is None:
         return False
-    if user.speed * user.speed <= 2.0 * BRAKES_SHARE * max(-user.acceleration, 0.0) * (room + STOPS_WITHIN_M):
+    if _brakes_for_its_place(user, room):
         return True
     stops = all_way and foe.to_stop_line >= 0.0
     trusted = parameters.sign_stop_deceleration if stops else parameters.foe_can_stop_deceleration
     return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)
+
+
+def _brakes_for_its_place(user: RoadUser, room: float) -> bool:
+    """Whether a foe is seen to brake so that it stands `room` m ahead, where it waits for the ego."""
+    return user.speed * user.speed <= 2.0 * BRAKES_SHARE * max(-user.acceleration, 0.0) * (room + STOPS_WITHIN_M)
+
+
+def _stops_in_the_way(foe: Foe, crossing: Crossing) -> bool:
+    """Whether a foe is about to stand for the ego in its corridor: it will not have gone first, nor can the ego pass it."""
+    room = _room_to_wait(foe) if foe.conflict.other.id in crossing.waits_in_the_way else None
+    return room is not None and _brakes_for_its_place(foe.user, room)
 
 
 def _room_to_wait(foe: Foe) -> float | None:
