@@ -6,6 +6,7 @@ import numpy as np
 
 from sumo_reactive.driver.field.velocity import carried_out
 from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.pilot.assessment import time_of
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
 from sumo_reactive.driver.view.corridor import blocking_ones, near_boxes
 from sumo_reactive.driver.view.foresee import point_at, turned
@@ -25,4 +26,5 @@ def load_kernels() -> None:
     blocking_ones(boxes, x, y, y, 1.0, 0.0, 1.0, y, y, 0.0)
     stopping_speed(1.0, 1.0, 1.0)
     following_speed(1.0, 1.0, 1.0, 1.0)
+    time_of(np.zeros((1, 5)), 1.0, 1.0)
     carried_out(y, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0)

@@ -184,7 +184,7 @@ delay 3.00 on 100.00 0
     pulls_out: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 2.45 beside x -543.00 -489.02
+leads 2.45 beside x -542.99 -488.99
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -222,7 +222,7 @@ delay 3.00 on 100.00 0
     several_lanes: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 3.20 beside x -303.00 -240.29
+leads 3.20 beside x -303.06 -241.47
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -236,7 +236,7 @@ delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
     lane_beside_taken: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 3.20 beside x -303.00 -240.29
+leads 3.20 beside x -303.06 -241.47
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -250,7 +250,7 @@ delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
     past_a_halted: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 2.45 beside x -270.72 -235.97
+leads 2.45 beside x -270.98 -236.45
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -264,12 +264,12 @@ delay 0.00 on 100.00 0 passing x 100.00 OVERTAKE
     passing: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 2.50 beside x -570.29 -517.64
+leads 2.50 beside x -570.43 -518.01
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
-FINE late 0.30 for 0.00
+FINE late 0.33 for 0.00
 rests on for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -282,8 +282,8 @@ looks 600.00
 tuned 10.00 1.35 1.00
 OVERTAKING because GAP_LOST c230
 0 regions
-FAILURE late 0.30 for 0.00
-meets c230 at 103.00 -545.49 295.45 100.90
+FAILURE late 0.33 for 0.00
+meets c230 at 103.00 -545.73 295.21 100.90
 rests on c230 for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -296,8 +296,8 @@ looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING because GAP_LOST c190
 0 regions
-FAILURE late 0.30 for 0.00
-meets c190 at 102.00 -565.69 275.25 100.90
+FAILURE late 0.33 for 0.00
+meets c190 at 102.00 -565.85 275.09 100.90
 rests on c190 for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -310,7 +310,7 @@ looks 600.00
 tuned 10.00 1.00 1.00
 OVERTAKING passes SLOW_AHEAD x
 0 regions
-FINE late 0.30 for 0.00
+FINE late 0.33 for 0.00
 rests on for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -322,7 +322,7 @@ looks 600.00
 tuned 10.00 1.00 1.00
 OVERTAKING passes SLOW_AHEAD x
 0 regions
-FINE late 0.30 for 0.00
+FINE late 0.33 for 0.00
 rests on for 0.40 is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -374,7 +374,7 @@ asks for CURVE 0 0
 tuned 10.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions
-FINE late 1.00 for 0.00
+FINE late 1.06 for 0.00
 rests on for inf is_standing
 0 can be reached, stages
 may go by 100.10 stopped at
@@ -385,7 +385,7 @@ NORMAL: WIDEN, DRIVE
 tuned 4.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions
-FINE late 1.00 for 0.00
+FINE late 1.06 for 0.00
 rests on for inf is_standing
 0 can be reached, stages
 may go by 100.10 stopped at
@@ -396,7 +396,7 @@ CHANGING_LANES: FOLLOW_CURVE, DRIVE
 asks for CURVE -1 0
 tuned 10.00 1.00 1.00
 0 regions
-FINE late 0.22 for 0.00
+FINE late 0.25 for 0.00
 rests on for 0.40 is_seeking asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -409,7 +409,7 @@ from -60.28 NO_GAP behind before
 tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
-FINE late 0.84 for 0.00
+FINE late 0.89 for 0.00
 rests on for 0.40 is_standing is_seeking is_watchful asks
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -423,8 +423,8 @@ asks for ROUTE 0 0
 tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
-FAILURE late 0.98 for 0.00
-meets beside at 103.20 -11.41 584.70 93.76
+FAILURE late 1.03 for 0.00
+meets beside at 103.40 -10.32 585.76 93.50
 rests on for 0.40 is_standing is_seeking is_watchful asks
 0 can be reached, stages
 may go by road_before_exit_0->exit_0 100.00 stopped at
@@ -448,7 +448,7 @@ moves 1 0.60 0.90
 tuned 10.00 1.00 1.00
 TURNING_ROUND passes NARROW_TURN 2 moves
 0 regions
-FINE late 0.90 for 0.00
+FINE late 0.96 for 0.00
 rests on for inf is_standing asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -460,7 +460,7 @@ stop at -292.00 NARROW_TURN
 tuned 10.00 1.00 1.00
 TURNING_ROUND because NARROW_TURN
 0 regions
-FINE late 0.61 for 0.00
+FINE late 0.66 for 0.00
 rests on for inf asks halts
 0 can be reached, stages
 may go by 100.00 stopped at

@@ -77,10 +77,10 @@ def seeks_behind(speed: float) -> bool:
 
 
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
-    "m that slow oncoming traffic must be away": (oncoming(5.0), 200.0, 700.0, 438.524),
-    "m that oncoming traffic at the limit's speed must be away": (oncoming(20.0), 200.0, 700.0, 438.524),
-    "m that faster oncoming traffic must be away": (oncoming(30.0), 200.0, 700.0, 520.273),
-    "m that somebody who stands on the oncoming lane must be away": (oncoming(0.0), 150.0, 300.0, 205.217),
+    "m that slow oncoming traffic must be away": (oncoming(5.0), 200.0, 700.0, 438.540),
+    "m that oncoming traffic at the limit's speed must be away": (oncoming(20.0), 200.0, 700.0, 438.540),
+    "m that faster oncoming traffic must be away": (oncoming(30.0), 200.0, 700.0, 520.285),
+    "m that somebody who stands on the oncoming lane must be away": (oncoming(0.0), 150.0, 300.0, 205.231),
     "m that the ego must have looked": (lambda m: behind_x(late(), sight=m), 500.0, 700.0, USUAL.overtaking_sight_m),
     "m of gap that is too long": (lambda m: behind_x(late(), gap=m), GAP, 60.0, 15.1),
     "m of gap that is too short": (lambda m: behind_x(late(), gap=m), 2.0, GAP, 6.3),
@@ -88,18 +88,18 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m/s of X that is too slow to have settled behind it": (lambda v: behind_x(late(), speed=v), 2.0, SLOW, 7.158),
     "m/s of X that is worth a look": (seeks_behind, SLOW, 22.0, 16.665),
     "s of delay": (lambda s: behind_x(late(by=s)), 0.0, 3.0, 1.584),
-    "m before the junction": (lambda m: behind_x(late(m)), 50.0, 400.0, 117.464),
+    "m before the junction": (lambda m: behind_x(late(m)), 50.0, 400.0, 117.471),
     "m of gap behind somebody who has halted": (
         lambda m: halted(street(), m), 20.0, 60.0, USUAL.following_m + 6.0 * HALTED_AHEAD_S,
     ),
-    "m of room to swing out": (lambda m: halted(street(), m), 2.0, 20.0, 11.473),
-    "m before the junction that a halted car is passed": (lambda m: halted(street(m)), 25.0, 150.0, 42.747),
-    "m along the street of slow traffic": (comes_along_the_street(5.0), 100.0, 400.0, 199.438),
-    "m along the street of traffic": (comes_along_the_street(12.0), 100.0, 400.0, 199.438),
+    "m of room to swing out": (lambda m: halted(street(), m), 2.0, 20.0, 11.462),
+    "m before the junction that a halted car is passed": (lambda m: halted(street(m)), 25.0, 150.0, 42.489),
+    "m along the street of slow traffic": (comes_along_the_street(5.0), 100.0, 400.0, 199.064),
+    "m along the street of traffic": (comes_along_the_street(12.0), 100.0, 400.0, 199.064),
     "m behind on the lane beside": (beside(15.0, -1.0), 5.0, 120.0, 15.940),
-    "m behind on the lane beside at the ego's speed": (beside(SLOW, -1.0), 5.0, 120.0, 10.699),
-    "m before on the lane beside": (beside(5.0, 1.0), 5.0, 120.0, 82.816),
-    "m before on the lane beside at the ego's speed": (beside(SLOW, 1.0), 5.0, 120.0, 58.665),
+    "m behind on the lane beside at the ego's speed": (beside(SLOW, -1.0), 5.0, 120.0, 10.721),
+    "m before on the lane beside": (beside(5.0, 1.0), 5.0, 120.0, 82.140),
+    "m before on the lane beside at the ego's speed": (beside(SLOW, 1.0), 5.0, 120.0, 57.991),
     "m between X and who drives before it": (second_leader, 5.0, 120.0, 21.001),
 }  # fmt: skip
 
