@@ -112,15 +112,15 @@ def from_the_right() -> Picture:
 TELLINGS = {
     minor_road: """
 CAUTIOUS: STOP, YIELD
-stop at 0.00 until 104.90 YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
+stop at 0.00 until 104.77 YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
 tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
-- arrival_s 2.19 clearance_s 4.20 foe_arrival_s 2.20 foe_clearance_s 3.06
+- arrival_s 2.25 clearance_s 4.20 foe_arrival_s 2.20 foe_clearance_s 3.06
 CLAIMED from_south_0->to_west_0|from_west_0->to_east_0 from_west
 CLAIMED from_south_0->to_west_0|from_east_0->to_west_0 from_east
 7 regions
 FAILURE late 1.00 for 0.00
-meets from_west at 102.19 4.07 161.01 156.82
+meets from_west at 102.25 4.07 161.01 156.82
 rests on from_east from_west for 0.40 is_threatened is_standing asks
 2 can be reached, stages (2, 0, 0)
 may go by from_south_0->to_west_0 100.00 stopped at
@@ -130,7 +130,7 @@ delay 0.00 on 100.00 0
 CAUTIOUS: APPROACH, DRIVE
 tuned 10.00 1.00 1.00
 CROSSING passes YIELD_TO from_south_0->to_north_0|from_west_0->to_east_0 from_west
-- arrival_s 2.34 clearance_s 2.81 foe_arrival_s 5.71 foe_clearance_s 9.32
+- arrival_s 2.36 clearance_s 2.81 foe_arrival_s 5.71 foe_clearance_s 9.32
 6 regions
 FINE late 0.34 for 0.00
 rests on from_east from_west for 0.40 asks
@@ -143,12 +143,12 @@ CAUTIOUS: STOP, YIELD
 stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
 tuned 10.00 1.00 1.00
 CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
-- arrival_s 2.24 clearance_s 2.85 foe_arrival_s 0.00 foe_clearance_s 56.00
+- arrival_s 2.27 clearance_s 2.85 foe_arrival_s 0.00 foe_clearance_s 56.00
 CAUTIOUS because EXIT_BLOCKED from_south_0->to_north_0 inside
 OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
 6 regions
 FAILURE late 6.05 for 0.00
-meets inside at 102.24 4.50 161.60 157.30
+meets inside at 102.27 4.50 161.60 157.30
 rests on inside for 0.40 is_threatened asks
 1 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
@@ -159,13 +159,13 @@ CAUTIOUS: STOP, YIELD
 stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
 tuned 10.00 1.00 1.00
 CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
-- arrival_s 2.58 clearance_s 3.48 foe_arrival_s 0.00 foe_clearance_s 12.00
+- arrival_s 2.61 clearance_s 3.48 foe_arrival_s 0.00 foe_clearance_s 12.00
 CAUTIOUS because EXIT_BLOCKED from_south_0->to_north_0 queue
 OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
 OCCUPIED from_south_0->to_north_0|from_east_0->to_north_0 queue
 6 regions
 FAILURE late 5.27 for 0.00
-meets queue at 102.58 7.50 161.60 160.30
+meets queue at 102.61 7.50 161.60 160.30
 rests on queue for 0.40 is_threatened asks
 2 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
@@ -173,14 +173,14 @@ delay 0.00 on 100.00 0
 """,
     foe_too_fast: """
 CAUTIOUS: STOP, YIELD
-stop at 0.00 until 101.82 FOE_CANNOT_STOP from_west_0->to_east_0|from_south_0->to_north_0 from_south
+stop at 0.00 until 101.83 FOE_CANNOT_STOP from_west_0->to_east_0|from_south_0->to_north_0 from_south
 tuned 10.00 1.00 1.00
 CAUTIOUS because FOE_CANNOT_STOP from_west_0->to_east_0|from_south_0->to_north_0 from_south
-- arrival_s 2.31 clearance_s 2.75 foe_arrival_s 1.28 foe_clearance_s 1.88
+- arrival_s 2.30 clearance_s 2.75 foe_arrival_s 1.28 foe_clearance_s 1.88
 CLAIMED from_west_0->to_east_0|from_south_0->to_north_0 from_south
 6 regions
 FAILURE late 0.21 for 0.00
-meets from_south at 102.31 7.70 160.50 158.40
+meets from_south at 102.30 7.70 160.50 158.40
 rests on from_south for 0.40 is_threatened asks
 1 can be reached, stages (1, 0, 0)
 may go by from_west_0->to_east_0 100.00 stopped at
@@ -188,14 +188,14 @@ delay 0.00 on 100.00 0
 """,
     left_turn: """
 CAUTIOUS: STOP, YIELD
-stop at 10.01 until 103.78 YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
+stop at 10.01 until 103.42 YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
 tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
-- arrival_s 2.91 clearance_s 4.21 foe_arrival_s 2.42 foe_clearance_s 3.19
+- arrival_s 3.27 clearance_s 4.21 foe_arrival_s 2.42 foe_clearance_s 3.19
 CLAIMED from_south_1->to_west_1|from_north_0->to_south_0 from_north
 4 regions
 FAILURE late 0.69 for 0.00
-meets from_north at 102.91 11.63 196.89 199.69
+meets from_north at 103.00 12.08 196.66 200.11
 rests on from_north for 0.40 is_threatened asks
 1 can be reached, stages (1, 0, 0)
 may go by from_south_1->to_west_1 100.00 stopped at
@@ -230,7 +230,7 @@ CAUTIOUS: APPROACH, DRIVE
 from 4.50 until 102.08 YIELD_TO from_south_0->to_north_0|from_west_0->to_east_0 from_west
 tuned 10.00 1.00 1.00
 CROSSING passes YIELD_TO from_south_0->to_north_0|from_west_0->to_east_0 from_west
-- arrival_s 2.34 clearance_s 2.81 foe_arrival_s 1.01 foe_clearance_s 1.58
+- arrival_s 2.36 clearance_s 2.81 foe_arrival_s 1.01 foe_clearance_s 1.58
 6 regions
 FINE late 0.34 for 0.00
 rests on from_west for 0.40 asks
@@ -265,11 +265,11 @@ CAUTIOUS: STOP, YIELD
 stop at 0.00 WAIT_FOR_TURN from_west_0->to_east_0|from_north_0->to_south_0 from_north
 tuned 10.00 1.00 1.00
 CAUTIOUS because WAIT_FOR_TURN from_west_0->to_east_0|from_north_0->to_south_0 from_north
-- arrival_s 2.28 clearance_s 3.36 foe_arrival_s 3.41 foe_clearance_s 156.00
+- arrival_s 2.35 clearance_s 3.36 foe_arrival_s 3.41 foe_clearance_s 156.00
 CLAIMED from_west_0->to_east_0|from_north_0->to_south_0 from_north
 6 regions
 FAILURE late 0.80 for 0.00
-meets from_north at 102.28 4.50 137.30 138.40
+meets from_north at 102.35 4.50 137.30 138.40
 rests on from_north for 0.40 is_threatened is_standing asks
 2 can be reached, stages (2, 0, 0)
 may go by from_west_0->to_east_0 100.00 stopped at from_west_0->to_east_0
@@ -314,14 +314,14 @@ delay 0.25 on 102.00 0
 """,
     from_the_right: """
 CAUTIOUS: STOP, YIELD
-stop at 0.00 until 102.92 YIELD_TO from_south_0->to_north_0|from_east_0->to_west_0 from_east
+stop at 0.00 until 102.93 YIELD_TO from_south_0->to_north_0|from_east_0->to_west_0 from_east
 tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_0->to_north_0|from_east_0->to_west_0 from_east
-- arrival_s 2.54 clearance_s 3.28 foe_arrival_s 2.05 foe_clearance_s 3.34
+- arrival_s 2.53 clearance_s 3.28 foe_arrival_s 2.05 foe_clearance_s 3.34
 CLAIMED from_south_0->to_north_0|from_east_0->to_west_0 from_east
 6 regions
 FAILURE late 0.25 for 0.00
-meets from_east at 102.54 7.70 121.60 120.50
+meets from_east at 102.53 7.70 121.60 120.50
 rests on from_east for 0.40 is_threatened asks
 2 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
