@@ -134,13 +134,12 @@ def simulate(
     return out
 
 
-def passing(motion: Floats, to_region: float, to_clear: float, length: float) -> Passing:
-    """Read off a simulated motion (n, 5) when the ego is in a region; ways in m from the front bumper (`to_clear`: until the
-    rear is out), `length` its own (m)."""
+def passing(motion: Floats, earliest: float, to_region: float, to_clear: float, length: float) -> Passing:
+    """Read off a simulated motion (n, 5) until when the ego is in a region where it may be from `earliest` on (s); ways in m
+    from the front bumper (`to_clear`: until the rear is out), `length` its own (m)."""
     merged = time_of(motion, to_region + length, ASSESSMENT_STEP_S)
     last = min(int(merged / ASSESSMENT_STEP_S), len(motion) - 1)
-    arrival, clearance = (time_of(motion, way, ASSESSMENT_STEP_S) for way in (to_region, to_clear))
-    return Passing(arrival, clearance, merged, float(motion[last, 3]))
+    return Passing(earliest, time_of(motion, to_clear, ASSESSMENT_STEP_S), merged, float(motion[last, 3]))
 
 
 @kernel

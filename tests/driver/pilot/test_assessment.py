@@ -178,8 +178,9 @@ def moving(*speeds: float):
 
 def test_the_times_at_a_region_are_read_off_the_motion():
     """10 m in the first second, 4 m in the next two: at 6 m, with its rear there at 11 m, and gone at 13 m."""
-    own = passing(moving(10.0, 4.0, 4.0), 6.0, 13.0, 5.0)
-    assert own == pytest.approx((0.6, 1.75, 1.25, 4.0))
+    motion = moving(10.0, 4.0, 4.0)
+    assert time_of(motion, 6.0, ASSESSMENT_STEP_S) == pytest.approx(0.6)
+    assert passing(motion, 0.5, 6.0, 13.0, 5.0) == pytest.approx((0.5, 1.75, 1.25, 4.0))
 
 
 def test_a_place_behind_is_reached_already():

@@ -205,8 +205,8 @@ def judge(
         return None
     p, speed = snapshot.parameters, snapshot.ego.speed
     is_clear = crossing.stop - front > to_clear
-    own = passing(motions.stopping if is_clear else motions.on, to_region, to_clear, limits.length)
-    own = own._replace(arrival=travel_time(to_region, speed, limits.acceleration_in_plan, crossing.pace))  # the earliest
+    earliest = travel_time(to_region, speed, limits.acceleration_in_plan, crossing.pace)
+    own = passing(motions.stopping if is_clear else motions.on, earliest, to_region, to_clear, limits.length)
     if crossing.turn is not None:
         own = turning(crossing.turn.start - front, speed, limits.acceleration_in_plan, crossing.turn.duration)
     other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
