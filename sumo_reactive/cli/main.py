@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import _thread
+import os
 import signal
 import sys
 import threading
@@ -20,6 +22,9 @@ _USAGE_ERROR, _OUT_OF_MEMORY, _INTERNAL_ERROR, _INTERRUPTED = 2, 3, 70, 130
 
 _PATIENCE_S = 3.0
 """So long after a request others are taken for the same one: what cleans up is not cut short by a second key."""
+
+_AGAIN_S = 0.02
+"""So long after a request that has to wait it is looked at again."""
 
 _REQUESTS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
@@ -46,13 +51,13 @@ def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interr
     try:
         return int(app(args=arguments, prog_name="sumo-reactive", standalone_mode=False, obj=sumo_options) or 0)
     except ReactiveError as error:
-        return _fail(str(error), error.exit_code)
+        return _INTERRUPTED if interrupts.requested else _fail(str(error), error.exit_code)
     except _UsageErrors as error:
         message = getattr(error, "format_message", error.__str__)()
         asked = getattr(getattr(error, "ctx", None), "command_path", "sumo-reactive")
         return _fail(f"{message} (see {asked} --help)", _USAGE_ERROR)
     except MemoryError:
-        return _fail("out of memory", _OUT_OF_MEMORY)
+        return _INTERRUPTED if interrupts.requested else _fail("out of memory", _OUT_OF_MEMORY)
     except Exception as error:
         if interrupts.requested:
             return _INTERRUPTED
@@ -70,13 +75,18 @@ def _fail(message: str, code: int) -> int:
 class Interrupts:
     """Turns the first request into a `KeyboardInterrupt` in the main thread; tells whether there was one.
 
-    What is compiled or called back from other languages may swallow it: then the request is known nevertheless.
+    Other languages that call back swallow it: modules in C that import others go on with what these lack, the compiler goes
+    on with an object it has not got, and dies. There it waits until they are done. What is swallowed by the interpreter, as
+    in functions that it calls when an object is gone, comes again. If it is swallowed elsewhere, the request is known
+    nevertheless.
     """
 
     def __init__(self) -> None:
         self.requested = False
         self._last = 0.0
+        self._again: threading.Timer | None = None
         self._before: dict[int, Any] = {}
+        self._told_before = sys.unraisablehook
 
     def listen(self) -> None:
         """Take requests from now on; those that the caller's process ignores stay ignored."""
@@ -85,6 +95,7 @@ class Interrupts:
         for number in _REQUESTS:
             if signal.getsignal(number) not in (signal.SIG_IGN, None):
                 self._before[number] = signal.signal(number, self._interrupt)
+        self._told_before, sys.unraisablehook = sys.unraisablehook, self._swallowed
 
     def end(self) -> None:
         """Leave further requests to whoever took them before.
@@ -93,12 +104,45 @@ class Interrupts:
         instead of with the exit code, unless it executes something after that.
         """
         exec("")
+        if self._again is not None:
+            self._again.cancel()
         for number, before in self._before.items():
             signal.signal(number, before)
+        sys.unraisablehook = self._told_before
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         before, self._last = self._last, clock.monotonic()
-        if self.requested and self._last - before < _PATIENCE_S:
+        if self.requested and self._again is None and self._last - before < _PATIENCE_S:
             return
         self.requested = True
+        if _is_called_back(frame):
+            self._ask_again(number)
+            return
+        self._again = None
         raise KeyboardInterrupt
+
+    def _ask_again(self, number: int) -> None:
+        self._again = threading.Timer(_AGAIN_S, _thread.interrupt_main, (number,))
+        self._again.daemon = True
+        self._again.start()
+
+    def _swallowed(self, unraisable: Any) -> None:
+        if not (self.requested and isinstance(unraisable.exc_value, KeyboardInterrupt)):
+            self._told_before(unraisable)
+            return
+        number = next(iter(self._before))
+        if signal.getsignal(number) == self._interrupt:  # else somebody keeps it
+            self._ask_again(number)
+
+
+_CALLED_BACK = ("<frozen importlib._bootstrap>", f"{os.sep}llvmlite{os.sep}")
+"""In the names of files whose functions other languages call: an import, and the compiler's library."""
+
+
+def _is_called_back(frame: FrameType | None) -> bool:
+    """Tell whether another language may have called what runs where a signal came."""
+    while frame is not None:
+        if any(name in frame.f_code.co_filename for name in _CALLED_BACK):
+            return True
+        frame = frame.f_back
+    return False

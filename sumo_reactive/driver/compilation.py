@@ -88,8 +88,11 @@ def interrupts_kept() -> Iterator[None]:
 
     def noted(number: int, frame: FrameType | None) -> None:
         nonlocal interrupted
-        interrupted = True
-        before[signal.Signals(number)](number, frame)
+        try:
+            before[signal.Signals(number)](number, frame)
+        except BaseException:
+            interrupted = True
+            raise
 
     for number in before:
         signal.signal(number, noted)

@@ -42,6 +42,9 @@ builtins.__import__ = importing
 STAGES = {
     "the network is read": "import sumo_reactive.lab.simulation as one; before(one, 'read_net', strike)",
     "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
+    "the compiler asks for a kernel": """
+from llvmlite.binding.executionengine import ExecutionEngine
+before(ExecutionEngine, '_find_module_ptr', strike)""",
     "the world is built": "import sumo_reactive.lab.trip as one; before(one, 'choose_lanes', strike)",
     "a step is driven": "import libsumo; before(libsumo, 'simulationStep', strike, 150)",
     "SUMO is closed": "import libsumo; before(libsumo, 'close', strike)",
@@ -64,6 +67,14 @@ def from_the_start(code, *arguments, folder):
     return subprocess.run(
         command, capture_output=True, encoding="utf-8", timeout=60, cwd=folder, env=environment, check=False
     )
+
+
+def in_a_script(code, folder):
+    """Run a script, which is no module being imported, in a new interpreter; return how it ended."""
+    (folder / "script.py").write_text(code, encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, folder / "script.py"]
+    return subprocess.run(command, capture_output=True, encoding="utf-8", timeout=60, env=environment, check=False)
 
 
 def left(folder):
@@ -101,6 +112,34 @@ def test_an_interrupt_within_what_is_executed_leaves_the_exit_code_alone(tmp_pat
     code = "import os, signal\nfrom sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
     code += "try:\n    exec('os.kill(os.getpid(), signal.SIGINT)')\nexcept KeyboardInterrupt:\n    one.end()\n    "
     assert from_the_start(f"{code}raise SystemExit(130)\n", folder=tmp_path).returncode == 130
+
+
+def test_an_interrupt_within_an_import_comes_when_the_module_is_whole(tmp_path):
+    """A module in C that imports another prints the interrupt that this one dies of, and goes on without it."""
+    module = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nlast = 1\n"
+    (tmp_path / "struck_module.py").write_text(module, encoding="utf-8")
+    code = "import time\nfrom sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
+    code += "import struck_module\nassert struck_module.last and one.requested\n"
+    code += "try:\n    time.sleep(50)\nexcept KeyboardInterrupt:\n    one.end()\n    raise SystemExit(130)\n"
+    answer = in_a_script(code, tmp_path)
+    assert (answer.returncode, answer.stderr) == (130, "")
+
+
+def test_an_interrupt_that_the_interpreter_swallows_comes_again(tmp_path):
+    code = "import os, signal, time, weakref\n"
+    code += "from sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
+    code += "gone = {1}\nkept = weakref.ref(gone, lambda _: os.kill(os.getpid(), signal.SIGINT))\ntry:\n    del gone\n"
+    code += "    time.sleep(50)\nexcept KeyboardInterrupt:\n    one.end()\n    raise SystemExit(130)\n"
+    answer = in_a_script(code, tmp_path)
+    assert (answer.returncode, answer.stderr) == (130, "")
+
+
+@pytest.mark.parametrize("error", ["MemoryError()", "SimulationError('SUMO ended')"])
+def test_what_fails_of_an_interrupt_that_was_swallowed_is_interrupted(tmp_path, error):
+    strike = "try:\n        os.kill(os.getpid(), signal.SIGINT)\n    except KeyboardInterrupt:\n        "
+    code = BEFORE.format(strike=f"{strike}from sumo_reactive.errors import SimulationError; raise {error} from None")
+    answer = ended(code + STAGES["the world is built"], "run", FOUR_WAY, "--out", "out", folder=tmp_path)
+    assert (answer.returncode, answer.stderr) == (130, "sumo-reactive: interrupted\n")
 
 
 def test_a_second_request_does_not_cut_the_cleaning_up_short(tmp_path):
