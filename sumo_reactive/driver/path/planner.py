@@ -16,7 +16,8 @@ from sumo_reactive.driver.path.lane_choice import LaneChoice, LaneStep, choose_l
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
 from sumo_reactive.driver.path.trajectory import PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
-from sumo_reactive.driver.path.turnaround import road_around, turn_in_moves, ways_back
+from sumo_reactive.driver.path.turnaround import turn_in_moves
+from sumo_reactive.driver.path.way_back import road_around, ways_back
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph

@@ -15,7 +15,8 @@ from sumo_reactive.driver.nouns.traffic import Body
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
-from sumo_reactive.driver.pilot.rules.region import BEFORE_THE_LINE_M, HESITATION_S, ZIPPER_LEAD_M, kept_waiting
+from sumo_reactive.driver.pilot.rules.region import HESITATION_S, ZIPPER_LEAD_M, kept_waiting
+from sumo_reactive.driver.pilot.rules.trust import BEFORE_THE_LINE_M
 from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.world.junction import Control
 from sumo_reactive.driver.world.regions import ConflictKind, Interval

@@ -11,7 +11,7 @@ from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.rules.region import OFF_THE_LINE_M
+from sumo_reactive.driver.pilot.rules.trust import OFF_THE_LINE_M
 
 NORTH_SOUTH, SOUTH_NORTH, SOUTH_WEST = ("from_north", "to_south"), ("from_south", "to_north"), ("from_south", "to_west")
 WEST_EAST, EAST_WEST = ("from_west", "to_east"), ("from_east", "to_west")

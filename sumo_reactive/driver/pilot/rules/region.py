@@ -13,18 +13,18 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
-from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import NO_LEADERS, passing, simulate, way_of, would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
-from sumo_reactive.driver.pilot.rules.gaps import (
-    Passing,
-    Threat,
-    follows_at,
-    threat,
-    turning,
-)
+from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, follows_at, threat, turning
 from sumo_reactive.driver.pilot.rules.lights import holds_back, letter_of, outranks
+from sumo_reactive.driver.pilot.rules.trust import (
+    WAIT_INTO_M,
+    gives_way,
+    is_certain,
+    leaves_its_stop,
+    stops_in_the_way,
+)
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Control
@@ -36,25 +36,10 @@ HESITATING_SPEED = 3.0
 HESITATION_S = 1.5
 """…since this long after it last came on: the time of a start."""
 
-BEFORE_THE_LINE_M = 3.0
-"""Where a region begins farther before a stop line than this, nobody is trusted to yield: SUMO's cars look at each other's
-times behind the lines only."""
 
 ZIPPER_LEAD_M = 0.1
 """Where lanes merge in turns, who is nearer by more than this goes first."""
 
-WAIT_INTO_M = 1.0
-"""A foe before its line is trusted to wait inside the junction only where its front then reaches no farther into the region:
-the ego's way is moved aside by as much. An ego that stands or creeps so little behind its place to wait still waits."""
-
-OFF_THE_LINE_M = 1.5
-"""A car that moves this near to its all-way stop line has stopped there already and now goes (SUMO halts at 1 m)."""
-
-STOPS_WITHIN_M = 0.5
-"""A foe is trusted to stop if it is seen to brake so that it stands no farther than this behind the place to wait…"""
-
-BRAKES_SHARE = 1.05
-"""…braking this much harder towards the end: SUMO's cars brake late, and with just the 4.5 m/s² that is theirs."""
 
 ENTERING_M = 6.0
 """Nearer than this to its line the ego goes after a foe only if that foe is sure to go."""
@@ -201,7 +186,7 @@ def judge(
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    if _gives_way(foe, committed, crossing, snapshot.parameters):
+    if gives_way(foe, committed, crossing, snapshot.parameters):
         return None
     p, speed = snapshot.parameters, snapshot.ego.speed
     is_clear = crossing.stop - front > to_clear
@@ -210,10 +195,10 @@ def judge(
     if crossing.turn is not None:
         own = turning(crossing.turn.start - front, speed, limits.acceleration_in_plan, crossing.turn.duration)
     other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
-    may_follow = committed or _is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
-    if not committed and _stops_in_the_way(foe, crossing):
+    may_follow = committed or is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
+    if not committed and stops_in_the_way(foe, crossing):
         may_follow = False
-    if not may_follow and _leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
+    if not may_follow and leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
         may_follow = True
         own = own._replace(arrival=travel_time(to_region, speed, limits.max_acceleration, crossing.pace))
     meets = would_meet(own, foe, other, p, p.committed_patience if committed else 1.0, may_follow=may_follow)
@@ -254,22 +239,11 @@ def _is_ahead_of(foe: Foe, to_line: float, to_region: float) -> bool:
     return foe.to_region > to_region + ZIPPER_LEAD_M and foe.to_stop_line > to_line + ZIPPER_LEAD_M
 
 
-def _is_certain(foe: Foe) -> bool:
-    """Whether the foe goes through first for certain: too near to stop. One that sees the ego start may hesitate."""
-    body = foe.user.body
-    return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, 0.0)
-
-
-def _leaves_its_stop(foe: Foe) -> bool:
-    """Whether the foe has started from its all-way stop, and has nowhere left to wait but in others' way."""
-    return foe.conflict.other.control is Control.ALL_WAY_STOP and _room_to_wait(foe) is None
-
-
 def _gaining(foe: Foe, snapshot: Snapshot, memory: PilotMemory) -> float:
     """How a foe that leaves its all-way stop is seen to gain speed, m/s²."""
     premises = memory.premises
     known = None if premises is None else premises.speeds.get(foe.user.id)
-    if premises is None or known is None or snapshot.time <= premises.time or not _leaves_its_stop(foe):
+    if premises is None or known is None or snapshot.time <= premises.time or not leaves_its_stop(foe):
         return 0.0
     return (foe.user.speed - known) / (snapshot.time - premises.time)
 
@@ -345,53 +319,6 @@ def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
         return False
     letter = letter_of(foe.conflict.other, snapshot)
     return letter in "gG" if letter else foe.conflict.must_yield
-
-
-def _gives_way(foe: Foe, committed: bool, crossing: Crossing, parameters: Parameters) -> bool:
-    """Whether the foe lets the ego go first and is still able to: by the rules, or because the ego is already inside."""
-    conflict, user = foe.conflict, foe.user
-    if user.body.is_person:
-        return False
-    if not conflict.must_yield and not conflict.is_yielded_to:
-        return False  # no rule makes it wait, and SUMO's cars then do not look
-    if not committed and min(conflict.region.own.start, conflict.region.other.start) < -BEFORE_THE_LINE_M:
-        return False  # nor do they look at each other before their lines
-    all_way = conflict.other.control is Control.ALL_WAY_STOP
-    if conflict.must_yield and not committed and not (conflict.is_yielded_to and all_way):
-        return False
-    if all_way and not committed and (user.speed < STANDING_SPEED or foe.to_stop_line < OFF_THE_LINE_M):
-        return False  # it stopped before the ego, see `_can_come`, or is already leaving its line
-    room = _room_to_wait(foe)
-    if not committed and conflict.other.id in crossing.waits_in_the_way:
-        return False  # each would wait for the other there
-    if room is None:
-        return False
-    if _brakes_for_its_place(user, room):
-        return True
-    stops = all_way and foe.to_stop_line >= 0.0
-    trusted = parameters.sign_stop_deceleration if stops else parameters.foe_can_stop_deceleration
-    return user.speed * user.speed <= 2.0 * trusted * max(room, 0.3)
-
-
-def _brakes_for_its_place(user: RoadUser, room: float) -> bool:
-    """Whether a foe is seen to brake so that it stands `room` m ahead, where it waits for the ego."""
-    return user.speed * user.speed <= 2.0 * BRAKES_SHARE * max(-user.acceleration, 0.0) * (room + STOPS_WITHIN_M)
-
-
-def _stops_in_the_way(foe: Foe, crossing: Crossing) -> bool:
-    """Whether a foe is about to stand for the ego in its corridor: it will not have gone first, nor can the ego pass it."""
-    room = _room_to_wait(foe) if foe.conflict.other.id in crossing.waits_in_the_way else None
-    return room is not None and _brakes_for_its_place(foe.user, room)
-
-
-def _room_to_wait(foe: Foe) -> float | None:
-    """The foe's way to the place where it would wait for the ego: inside, else its line; None when it has passed both."""
-    wait, to_line, start = foe.conflict.other.wait_at, foe.to_stop_line, foe.conflict.region.other.start
-    if to_line >= 0.0:
-        return to_line if wait is None or wait > start + WAIT_INTO_M else to_line + wait
-    if wait is None or wait > start + WAIT_SHIFT_M or wait + to_line < -1.0:
-        return None
-    return max(wait + to_line, 0.0)
 
 
 def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
