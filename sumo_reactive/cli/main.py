@@ -76,9 +76,9 @@ class Interrupts:
     """Turns the first request into a `KeyboardInterrupt` in the main thread; tells whether there was one.
 
     Other languages that call back swallow it: modules in C that import others go on with what these lack, the compiler goes
-    on with an object it has not got, and dies. There it waits until they are done. What is swallowed by the interpreter, as
-    in functions that it calls when an object is gone, comes again. If it is swallowed elsewhere, the request is known
-    nevertheless.
+    on with an object it has not got, and dies. There it waits until they are done, and so where a temporary file is made
+    that nobody would remove. What is swallowed by the interpreter, as in functions that it calls when an object is gone,
+    comes again. If it is swallowed elsewhere, the request is known nevertheless.
     """
 
     def __init__(self) -> None:
@@ -115,7 +115,7 @@ class Interrupts:
         if self.requested and self._again is None and self._last - before < _PATIENCE_S:
             return
         self.requested = True
-        if _is_called_back(frame):
+        if _has_to_wait(frame):
             self._ask_again(number)
             return
         self._again = None
@@ -135,14 +135,14 @@ class Interrupts:
             self._ask_again(number)
 
 
-_CALLED_BACK = ("<frozen importlib._bootstrap>", f"{os.sep}llvmlite{os.sep}")
-"""In the names of files whose functions other languages call: an import, and the compiler's library."""
+_UNCUT = ("<frozen importlib._bootstrap>", f"{os.sep}llvmlite{os.sep}", f"{os.sep}tempfile.py")
+"""In the names of files whose functions are not cut short: an import, the compiler's library, temporary files."""
 
 
-def _is_called_back(frame: FrameType | None) -> bool:
-    """Tell whether another language may have called what runs where a signal came."""
+def _has_to_wait(frame: FrameType | None) -> bool:
+    """Tell whether what runs where a signal came is not to be cut short."""
     while frame is not None:
-        if any(name in frame.f_code.co_filename for name in _CALLED_BACK):
+        if any(name in frame.f_code.co_filename for name in _UNCUT):
             return True
         frame = frame.f_back
     return False

@@ -41,6 +41,16 @@ builtins.__import__ = importing
 
 STAGES = {
     "the network is read": "import sumo_reactive.lab.simulation as one; before(one, 'read_net', strike)",
+    "a temporary file is made": """
+real_open = os.open
+def opening(path, flags, *more, **others):
+    opened = real_open(path, flags, *more, **others)
+    if str(path).startswith(os.environ['TMPDIR']):
+        os.open = real_open
+        strike()
+    return opened
+os.open = opening
+""",
     "SUMO starts": "import libsumo; before(libsumo, 'start', strike)",
     "the compiler asks for a kernel": """
 from llvmlite.binding.executionengine import ExecutionEngine
