@@ -99,6 +99,7 @@ ABLATIONS = (
         "Δt shifted or planned anew (§2)",
         _out(Mechanism.DELAYS),
         "Constraints once missed stay missed and activate the pilot at every step; it drives the same.",
+        saves_runs=True,
     ),
     Ablation("failure", "assessment: FAILURE (§2)", _out(Mechanism.FAILURE), "Nothing then asks who gives way."),
     Ablation("late", "assessment: late (§2)", {"excessive_delay_s": 1e9}),
@@ -278,6 +279,8 @@ def _kinds(folder: Path) -> Iterator[tuple[str, Scenario]]:
     rude = k.sort("rude", jmIgnoreFoeProb=1, jmIgnoreFoeSpeed=100, jmIgnoreJunctionFoeProb=1, jmTimegapMinor=0)
     takes = k.stream("x", "sc cn", [1, 3.5, 6, 8.5, 11], type="rude")
     yield _kind(k, folder, "right of way taken from it", k.cross(), rude, takes, k.car("ego", "wc ce", 3))
+    platoon = k.stream("x", "wc ce", [1.2 * i for i in range(7)])
+    yield _kind(k, folder, "platoon before the gap", k.cross(), platoon, k.car("ego", "sc cn", 4))
     two_ways = k.Net(k.node("a", 0, 0) + k.node("b", 600, 0), k.edge("ab") + k.edge("ba"))
     sorts = k.sort("slow", maxSpeed=6, sigma=0) + k.sort("fast", maxSpeed=30, accel=4, speedFactor=1.3)
     slow = k.car("x", "ab", 0, type="slow", departPos=60, departSpeed=6)
