@@ -140,8 +140,8 @@ _UNCUT = ("<frozen importlib._bootstrap>", f"{os.sep}llvmlite{os.sep}", f"{os.se
 
 
 def _has_to_wait(frame: FrameType | None) -> bool:
-    """Tell whether what runs where a signal came is not to be cut short."""
-    while frame is not None:
+    """Tell whether what runs where a signal came, called by `main`, is not to be cut short."""
+    while frame is not None and frame.f_code is not main.__code__:
         if any(name in frame.f_code.co_filename for name in _UNCUT):
             return True
         frame = frame.f_back

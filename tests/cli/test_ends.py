@@ -111,6 +111,13 @@ def test_a_request_to_stop_ends_a_run_while_the_modules_are_loaded(tmp_path, req
     assert not (tmp_path / "out").exists()
 
 
+def test_a_request_to_stop_ends_a_run_that_a_module_drives_as_it_is_imported(tmp_path):
+    code = BEFORE.format(strike="os.kill(os.getpid(), signal.SIGINT)") + STAGES["a step is driven"] + MAIN
+    imported = f"if __name__ == '__main__':\n    import struck\n{code}"
+    answer = from_the_start(imported, "run", FOUR_WAY, folder=tmp_path)
+    assert (answer.returncode, answer.stderr) == (130, "sumo-reactive: interrupted\n")
+
+
 @pytest.mark.parametrize("stage", ["SUMO starts", "a step is driven"])
 def test_a_run_that_is_killed_leaves_nothing(tmp_path, stage):
     code = BEFORE.format(strike="os.kill(os.getpid(), signal.SIGKILL)") + STAGES[stage]
