@@ -28,6 +28,7 @@ _ON_CROSSING = re.compile(r":.*_c\d+$")
 
 _SEEN = (
     tc.VAR_POSITION3D, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,
+    tc.VAR_ACCELERATION,
 )  # fmt: skip
 
 
@@ -133,6 +134,6 @@ def _seen_from(vehicle_id: str) -> dict[str, Mapping[int, Any]]:
 
 def _user(name: str, seen: Mapping[int, Any], route: tuple[str, ...] = ()) -> RoadUser:
     """Return a vehicle as subscribed."""
-    (x, y, _), angle, speed, lane_id, position, length, width = (seen[variable] for variable in _SEEN)
+    (x, y, _), angle, speed, lane_id, position, length, width, gain = (seen[variable] for variable in _SEEN)
     body = Body(length, width, emergency_deceleration=math.nan, max_speed=math.nan)
-    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route)
+    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route, acceleration=gain)

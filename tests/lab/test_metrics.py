@@ -102,6 +102,19 @@ def test_a_follower_that_brakes_hard_is_caused_by_the_ego_once(jury):
     assert jury.figures()["hard_braking_caused"] == 1
 
 
+@pytest.mark.parametrize(("braking", "caused"), [(0.3, 0), (4.7, 1)])
+def test_who_comes_onto_a_lane_where_sumo_counts_other_metres_need_not_brake_for_it(jury, braking, caused):
+    """A lane drawn a tenth longer than declared is left at 16.5 m/s over ground, for the next one at 15."""
+
+    def others(t):
+        is_on_next = t >= 0.2
+        behind = user(x=-30.0, speed=15.0 if is_on_next else 16.5, lane="next_0" if is_on_next else "longer_0")
+        return [behind._replace(acceleration=-braking if is_on_next else 0.0)]
+
+    drive(jury, lambda t: record(t, speed=5.0), others, 4)
+    assert jury.figures()["hard_braking_caused"] == caused
+
+
 @pytest.mark.parametrize(("braking", "caused"), [(4.5, 0), (4.7, 1)])
 def test_braking_is_hard_if_it_is_harder_than_sumos_cars_brake_in_comfort(jury, braking, caused):
     others = lambda t: [user(x=-30.0, speed=15.0 - braking * max(t - 0.1, 0.0))]  # noqa: E731

@@ -185,7 +185,7 @@ def values(x=0.0, y=0.0, z=0.0, lane="a_0", angle=0.0):
     """What is subscribed of one vehicle."""
     return {
         tc.VAR_POSITION3D: (x, y, z), tc.VAR_ANGLE: angle, tc.VAR_SPEED: 4.0, tc.VAR_LANE_ID: lane,
-        tc.VAR_LANEPOSITION: 30.0, tc.VAR_LENGTH: 5.0, tc.VAR_WIDTH: 1.75,
+        tc.VAR_LANEPOSITION: 30.0, tc.VAR_LENGTH: 5.0, tc.VAR_WIDTH: 1.75, tc.VAR_ACCELERATION: -1.5,
     }  # fmt: skip
 
 
@@ -226,11 +226,12 @@ def test_an_observed_vehicle_sees_all_that_is_subscribed_on_its_level(monkeypatc
         tc.VAR_LANEPOSITION,
         tc.VAR_LENGTH,
         tc.VAR_WIDTH,
+        tc.VAR_ACCELERATION,
     ]
     assert libsumo.vehicle.told == [("subscribeContext", "ego", tc.CMD_GET_VEHICLE_VARIABLE, 70.0, wanted)]
     view = observed.look()
     (other,) = view.others
-    assert other == RoadUser("x", 3.0, 4.0, EAST, 4.0, ":j_0_0", 30.0, other.body, ("b", "c"))
+    assert other == RoadUser("x", 3.0, 4.0, EAST, 4.0, ":j_0_0", 30.0, other.body, ("b", "c"), acceleration=-1.5)
     assert other.body == (*body(5.0, 1.75), False, 0.0)
     assert (view.own.id, view.own.route, view.own.heading) == ("ego", ("a", "b", "c"), NORTH)
     assert (observed.departure, observed.limits.length) == (2.0, 5.0)

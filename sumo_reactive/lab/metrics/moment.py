@@ -117,12 +117,12 @@ _NOBODY: frozenset[str] = frozenset()
 
 
 class Watch:
-    """Makes moments of scenes; remembers the last speeds."""
+    """Makes moments of scenes; remembers who was there last."""
 
     def __init__(self, length: float, width: float) -> None:
         self._length, self._width = length, width
         self._last: StepRecord | None = None
-        self._speeds: dict[str, float] = {}
+        self._users: Mapping[str, RoadUser] = {}
         contacts(np.ones(6), np.ones((1, 6)))  # loads the kernel before the clock of the run starts
 
     def moment(self, scene: Scene) -> Moment:
@@ -137,12 +137,9 @@ class Watch:
         others = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
         if others:
             touching |= self._contacts(step, others, _boxes(others))[0]
-        speeds = {user.id: user.speed for user in near}
-        before = self._speeds
-        slowing = {
-            name: (speed - before[name]) / duration for name, speed in speeds.items() if speed < before.get(name, 0.0)
-        }
-        self._last, self._speeds = step, speeds
+        changes = ((user.id, _change(self._users[user.id], user, duration)) for user in near if user.id in self._users)
+        slowing = {name: change for name, change in changes if change < 0.0}
+        self._last, self._users = step, {user.id: user for user in near}
         seen = self._length, self._width, near, boxes, touching, times, slowing
         return Moment(step, duration, acceleration, *seen, scene.crossed, scene.world)
 
@@ -154,6 +151,12 @@ class Watch:
         if not any(touches):
             return _NOBODY, times
         return frozenset(user.id for user, touch in zip(users, touches, strict=True) if touch), times
+
+
+def _change(before: RoadUser, user: RoadUser, duration: float) -> float:
+    """Return a user's acceleration (m/s²) since `duration` s ago, on another lane what it is said to be: there a metre of
+    SUMO's may be another, and with it the speed over ground."""
+    return (user.speed - before.speed) / duration if user.lane_id == before.lane_id else user.acceleration
 
 
 def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ...]:
