@@ -122,7 +122,7 @@ class Interrupts:
         raise KeyboardInterrupt
 
     def _ask_again(self, number: int) -> None:
-        self._again = threading.Timer(_AGAIN_S, _thread.interrupt_main, (number,))
+        self._again = threading.Timer(_AGAIN_S, _sent_to_main_thread, (number,))
         self._again.daemon = True
         self._again.start()
 
@@ -133,6 +133,15 @@ class Interrupts:
         number = next(iter(self._before))
         if signal.getsignal(number) == self._interrupt:  # else somebody keeps it
             self._ask_again(number)
+
+
+def _sent_to_main_thread(number: int) -> None:
+    """Send a signal so that it ends what the main thread waits for, too."""
+    main_thread = threading.main_thread().ident
+    if main_thread is not None and hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(main_thread, number)
+    else:
+        _thread.interrupt_main(signal.Signals(number))
 
 
 _UNCUT = ("<frozen importlib._bootstrap>", f"{os.sep}llvmlite{os.sep}", f"{os.sep}tempfile.py")

@@ -137,7 +137,7 @@ def test_an_interrupt_within_an_import_comes_when_the_module_is_whole(tmp_path):
     (tmp_path / "struck_module.py").write_text(module, encoding="utf-8")
     code = "import time\nfrom sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
     code += "import struck_module\nassert struck_module.last and one.requested\n"
-    code += "try:\n    time.sleep(50)\nexcept KeyboardInterrupt:\n    one.end()\n    raise SystemExit(130)\n"
+    code += "try:\n    time.sleep(100)\nexcept KeyboardInterrupt:\n    one.end()\n    raise SystemExit(130)\n"
     answer = in_a_script(code, tmp_path)
     assert (answer.returncode, answer.stderr) == (130, "")
 
@@ -146,7 +146,7 @@ def test_an_interrupt_that_the_interpreter_swallows_comes_again(tmp_path):
     code = "import os, signal, time, weakref\n"
     code += "from sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"
     code += "gone = {1}\nkept = weakref.ref(gone, lambda _: os.kill(os.getpid(), signal.SIGINT))\ntry:\n    del gone\n"
-    code += "    time.sleep(50)\nexcept KeyboardInterrupt:\n    one.end()\n    raise SystemExit(130)\n"
+    code += "    time.sleep(100)\nexcept KeyboardInterrupt:\n    one.end()\n    raise SystemExit(130)\n"
     answer = in_a_script(code, tmp_path)
     assert (answer.returncode, answer.stderr) == (130, "")
 
