@@ -155,7 +155,7 @@ def test_an_interrupt_that_the_interpreter_swallows_comes_again(tmp_path):
 def test_what_fails_of_an_interrupt_that_was_swallowed_is_interrupted(tmp_path, error):
     strike = "try:\n        os.kill(os.getpid(), signal.SIGINT)\n    except KeyboardInterrupt:\n        "
     code = BEFORE.format(strike=f"{strike}from sumo_reactive.errors import SimulationError; raise {error} from None")
-    answer = ended(code + STAGES["the world is built"], "run", FOUR_WAY, "--out", "out", folder=tmp_path)
+    answer = ended(code + STAGES["SUMO is closed"], "run", FOUR_WAY, "--out", "out", folder=tmp_path)
     assert (answer.returncode, answer.stderr) == (130, "sumo-reactive: interrupted\n")
 
 

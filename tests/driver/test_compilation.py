@@ -29,6 +29,15 @@ def test_an_interrupt_is_never_lost(loading):
     assert signal.getsignal(signal.SIGINT) is before
 
 
+def test_a_request_that_its_handler_puts_off_is_none_yet():
+    before = signal.signal(signal.SIGINT, lambda *_: None)
+    try:
+        with interrupts_kept():
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def test_an_error_without_an_interrupt_stays_itself():
     with pytest.raises(SystemError), interrupts_kept():
         raise SystemError
