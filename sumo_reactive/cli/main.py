@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import _thread
-import os
 import signal
 import sys
 import threading
@@ -76,9 +75,9 @@ class Interrupts:
     """Turns the first request into a `KeyboardInterrupt` in the main thread; tells whether there was one.
 
     Other languages that call back swallow it: modules in C that import others go on with what these lack, the compiler goes
-    on with an object it has not got, and dies. There it waits until they are done, and so where a temporary file is made
-    that nobody would remove. What is swallowed by the interpreter, as in functions that it calls when an object is gone,
-    comes again. If it is swallowed elsewhere, the request is known nevertheless.
+    on with an object it has not got, and dies. There it waits until they are done (`interrupts_kept`: until a kernel is),
+    and so where a temporary file is made that nobody would remove. What the interpreter swallows, as in functions that it
+    calls when an object is gone, comes again. If it is swallowed elsewhere, the request is known nevertheless.
     """
 
     def __init__(self) -> None:
@@ -144,14 +143,14 @@ def _sent_to_main_thread(number: int) -> None:
         _thread.interrupt_main(signal.Signals(number))
 
 
-_UNCUT = ("<frozen importlib._bootstrap>", f"{os.sep}llvmlite{os.sep}", f"{os.sep}tempfile.py")
-"""In the names of files whose functions are not cut short: an import, the compiler's library, temporary files."""
+_UNCUT = ("importlib._bootstrap.", "numba.", "llvmlite.", "tempfile.")
+"""Modules, and those within them, whose functions are not cut short: imports, the compiler, temporary files."""
 
 
 def _has_to_wait(frame: FrameType | None) -> bool:
     """Tell whether what runs where a signal came, called by `main`, is not to be cut short."""
     while frame is not None and frame.f_code is not main.__code__:
-        if any(name in frame.f_code.co_filename for name in _UNCUT):
+        if f"{frame.f_globals.get('__name__')}.".startswith(_UNCUT):
             return True
         frame = frame.f_back
     return False

@@ -106,11 +106,15 @@ _told: set[str] = set()
 
 
 class KernelCache(NullCache):
-    """What numba asks for the compiled code of a function. Nothing that goes wrong on disk ends the run: it is compiled."""
+    """What numba asks for the compiled code of a function. Nothing that goes wrong on disk ends the run: it is compiled.
 
-    def __init__(self, function: Callable[..., object], folder: Path) -> None:
+    A folder of None keeps nothing. `asked` is called each time, before a kernel is loaded or compiled.
+    """
+
+    def __init__(self, function: Callable[..., object], folder: Path | None, asked: Callable[[], None]) -> None:
         self._name = f"{function.__module__}.{function.__qualname__}"
         self._folder = folder
+        self._asked = asked
 
     @property
     def cache_path(self) -> str:
@@ -119,21 +123,26 @@ class KernelCache(NullCache):
 
     def load_overload(self, signature: Any, target_context: Any) -> CompileResult | None:
         """Return the code for arguments of these kinds, if it is there and whole."""
+        self._asked()
         target_context.refresh()
-        data = _whole(self._file(signature, target_context.codegen())) if is_own(self._folder) else None
+        file = self._file(signature, target_context.codegen())
+        data = _whole(file) if file else None
         return None if data is None else CompileResult._rebuild(target_context, *pickle.loads(data))
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep the code for arguments of these kinds."""
-        if result.library.has_dynamic_globals or not is_own(self._folder):
+        file = self._file(signature, result.codegen)
+        if file is None or result.library.has_dynamic_globals:
             return
         data = dumps(result._reduce())
         try:
-            write_whole(self._file(signature, result.codegen), hashlib.sha256(data).digest() + data)
+            write_whole(file, hashlib.sha256(data).digest() + data)
         except OutputError as error:
             _tell(f"compiled kernels are not kept: {error}")
 
-    def _file(self, signature: Any, codegen: Any) -> Path:
+    def _file(self, signature: Any, codegen: Any) -> Path | None:
+        if self._folder is None or not is_own(self._folder):
+            return None
         kinds = f"{sys.implementation.cache_tag} {self._name} {signature!r} {codegen.magic_tuple()!r}"
         return self._folder / f"{self._name}-{hashlib.sha256(kinds.encode()).hexdigest()[:16]}"
 

@@ -12,9 +12,10 @@ import signal
 from collections.abc import Iterator
 from typing import Any
 
-import numba
 import numpy as np
 from numba import types
+
+from sumo_reactive.driver.compilation import callback
 
 _NAMES = ("SIGSEGV", "SIGABRT", "SIGBUS", "SIGFPE", "SIGILL")
 DEADLY = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
@@ -49,11 +50,11 @@ def crashes_told() -> Iterator[None]:
     if os.name != "posix":
         yield
         return
-    handler = numba.cfunc(types.void(types.intc), cache=True)(_told)
+    handler = callback(_told, types.void(types.intc))
     library = ctypes.CDLL(None)
     library.signal.restype, library.signal.argtypes = ctypes.c_void_p, (ctypes.c_int, ctypes.c_void_p)
     os.dup2(2, _STDERR_KEPT)
-    before = {number: library.signal(number, handler.address) for number in DEADLY}
+    before = {number: library.signal(number, handler) for number in DEADLY}
     try:
         yield
     finally:

@@ -142,6 +142,28 @@ def test_an_interrupt_within_an_import_comes_when_the_module_is_whole(tmp_path):
     assert (answer.returncode, answer.stderr) == (130, "")
 
 
+@pytest.mark.parametrize("number", [5, 9])
+def test_an_interrupt_cuts_no_kernel_in_two_and_comes_before_the_next(tmp_path, number):
+    code = BEFORE.format(strike="os.kill(os.getpid(), signal.SIGINT)") + f"""
+import atexit
+from numba.core.codegen import CPUCodeLibrary as one
+whole, real = [], one._finalize_final_module
+def finished(library):
+    real(library)
+    whole.append(library)
+one._finalize_final_module = finished
+before(one, "_finalize_final_module", strike, {number})
+atexit.register(lambda: print(len(whole), "whole"))
+"""
+    answer = from_the_start(code + MAIN, "run", FOUR_WAY, folder=tmp_path)
+    assert (answer.returncode, answer.stdout) == (130, f"{number} whole\n")
+
+
+def test_where_the_compiler_finds_no_place_to_keep_anything_the_run_goes_on(tmp_path):
+    code = "from numba.core.caching import CacheImpl\nCacheImpl._locator_classes = []\n"
+    assert ended(code, "run", FOUR_WAY, "--quiet", folder=tmp_path).returncode == 0
+
+
 def test_an_interrupt_that_the_interpreter_swallows_comes_again(tmp_path):
     code = "import os, signal, time, weakref\n"
     code += "from sumo_reactive.cli.main import Interrupts\none = Interrupts()\none.listen()\n"

@@ -9,7 +9,7 @@ import pytest
 from helpers.programs import run_program
 
 import sumo_reactive
-from sumo_reactive.driver.compilation import KERNEL_ROOMS, READ_ROOMS
+from sumo_reactive.driver.compilation import CALLBACK_FILES, KERNEL_ROOMS, READ_ROOMS
 from sumo_reactive.driver.kernel_folder import KernelCache
 
 CODE = """
@@ -26,7 +26,7 @@ def outer(x):
 
 doubled, found = numba.njit(inner), numba.njit(outer)
 for function in (doubled, found):
-    function._cache = KernelCache(function.py_func, Path(sys.argv[1]))
+    function._cache = KernelCache(function.py_func, Path(sys.argv[1]), lambda: None)
 if len(sys.argv) > 2:
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 print(found(20.5), sum(found.stats.cache_hits.values()))
@@ -114,7 +114,7 @@ def test_without_room_kernels_are_not_kept_and_the_run_goes_on(tmp_path):
 
 def test_other_kinds_of_arguments_have_a_file_of_their_own(tmp_path):
     tmp_path.chmod(0o700)
-    caches = KernelCache(halved, tmp_path), KernelCache(turned, tmp_path)
+    caches = (KernelCache(one, tmp_path, lambda: None) for one in (halved, turned))
     files = {cache._file(kinds, Codegen()) for cache in caches for kinds in ("f", "i")}
     assert len(files) == 4
 
@@ -130,6 +130,12 @@ def test_every_room_with_a_kernel_is_in_the_name_of_the_folder():
     package = Path(sumo_reactive.__file__).parent
     holding = {file.parent for file in package.rglob("*.py") if "\n@kernel\n" in file.read_text(encoding="utf-8")}
     assert {folder.relative_to(package).as_posix() for folder in holding} == set(KERNEL_ROOMS)
+
+
+def test_every_file_with_a_function_that_other_languages_call_is_in_the_name_of_the_folder():
+    package = Path(sumo_reactive.__file__).parent
+    holding = [file for file in package.rglob("*.py") if " = callback(" in file.read_text(encoding="utf-8")]
+    assert {file.relative_to(package).as_posix() for file in holding} == set(CALLBACK_FILES)
 
 
 def read_by_kernels(file):
