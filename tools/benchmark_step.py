@@ -108,7 +108,7 @@ def stages(controller, traffic, drive) -> dict[str, Callable[[], object]]:  # ty
     return {
         "step with an event": lambda: controller.step(traffic, drive, PERIOD_S),
         "step between events": lambda: controller.step(traffic, between, PERIOD_S),
-        "  perceive": lambda: perceive(traffic, drive.ego, plan, graph, limits, drive.s),
+        "  perceive": lambda: perceive(traffic, drive.ego, plan, graph, limits, (drive.s, 0.0)),
         "  what lies ahead": lambda: passages_ahead(graph, plan, limits, snapshot.passages),
         "  detect events": lambda: detect(snapshot, plan, ahead, after.completed, after.memory, False),
         "  outlook (on an event)": lambda: outlook(traffic, snapshot, plan, graph, limits),
@@ -144,7 +144,7 @@ def scene():  # type: ignore[no-untyped-def]
     (x, y), heading, back = spine.at(at), spine.heading_at(at), limits.front_to_rear_axle
     pose = Pose(x - back * math.cos(heading), y - back * math.sin(heading), heading)
     start = PlanStart(pose, SPEED, 0.0, 100.0, f"{ROUTE[0]}_0", at, 0)
-    nominal = plan(graph, Route(ROUTE), "passenger", limits, start)
+    nominal = plan(graph, Route(ROUTE), limits, start)
     return Controller(graph, limits), Traffic(100.0, tuple(users), {}), Drive(VehicleState(pose, SPEED, 0.0), nominal, 0.0)
 
 

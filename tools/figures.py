@@ -429,7 +429,7 @@ def _valley_scene() -> ValleyScene:
     heading = lane.spine.heading_at(START_M)
     pose = _behind(lane.spine.at(START_M), heading, CAR.front_to_rear_axle)
     start = PlanStart(pose, START_SPEED, 0.0, 0.0, lane.id, START_M / lane.scale, 0)
-    curve = plan(graph, ROUTE, "passenger", CAR, start).curve
+    curve = plan(graph, ROUTE, CAR, start).curve
     centre = _beside(curve, PARKED_AT_M, -(CAR.width + PARKED_ROOM_M))
     parked = _centred(centre, curve.at(PARKED_AT_M)[2])
     kerb = _right_border(lane.spine, lane.width)
@@ -770,7 +770,7 @@ def _potentials(shot: Shot, graph: RoadGraph, x: Array, y: Array) -> Array:
     users = [(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in shot.others]
     boxes = np.array(users, dtype=np.float64).reshape(-1, 6)
     corners = corners_of(boxes)
-    static = static_within(graph, shot.plan, "passenger", shot.step.x, shot.step.y, FIELD_STATIC_M)
+    static = static_within(graph, shot.plan, "passenger", (shot.step.x, shot.step.y), FIELD_STATIC_M)
     values = np.empty((len(y), len(x)))
     for i, j in np.ndindex(values.shape):
         values[i, j] = _potential(shot, float(x[j]), float(y[i]), boxes, corners, static)

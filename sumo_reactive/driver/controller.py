@@ -75,7 +75,6 @@ class Controller:
     limits: VehicleLimits
     profile: Profile = Profile.DEFAULT
     delays: Delays = Delays.REPLAN
-    vehicle_class: str = "passenger"
 
     def step(self, traffic: Traffic, drive: Drive, duration: float) -> Step:
         """Drive for `duration` s: one control step, or as many as a coarse duration needs.
@@ -100,10 +99,10 @@ class Controller:
     def _once(self, traffic: Traffic, drive: Drive, period: float, *, decides: bool = True) -> Step:
         premises = drive.memory.premises
         looks = premises is None or (premises.asks and not premises.is_settled)
-        seen = perceive(
-            traffic, drive.ego, drive.plan, self.graph, self.limits, drive.s, self.vehicle_class, drive.d,
-            looks_for_foes=looks,
-        )  # fmt: skip
+        place = locate(drive.ego, drive.plan, self.limits, drive.s) if drive.d is None else (drive.s, drive.d)
+        seen = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, place)
+        if looks:
+            seen = self._with_foes(seen, traffic, drive.plan)
         snapshot, completed, memory, asked = self._completed(seen, traffic, drive, looks, decides=decides)
         held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
@@ -122,6 +121,10 @@ class Controller:
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after, asked)
+
+    def _with_foes(self, snapshot: Snapshot, traffic: Traffic, plan: NominalPlan) -> Snapshot:
+        """Return a snapshot that knows who can reach which region; a pilot whose decision rests on none does not ask."""
+        return snapshot._replace(foes=foes_of(traffic, plan, self.graph, self.limits, snapshot.passages))
 
     def _place(self, ego: VehicleState, plan: NominalPlan, before: float, completed: CompletedPlan) -> tuple[float, float]:
         """Return where the front axle is on C, and how far left of it, m; in the moves of a turn it does not go back to
@@ -143,7 +146,7 @@ class Controller:
         if not events and drive.completed is not None and not runs_always:
             return snapshot, drive.completed, memory, 0
         if not has_foes:
-            snapshot = snapshot._replace(foes=foes_of(traffic, plan, self.graph, self.limits, snapshot.passages))
+            snapshot = self._with_foes(snapshot, traffic, plan)
         asked = 1
         foes_only = not runs_always and only_foes(events, snapshot)
         if drive.completed is not None and foes_only and may_confirm(snapshot, memory):
@@ -169,7 +172,7 @@ class Controller:
         if len(drive.valley.bitmaps) and drive.valley.holds(pose.x, pose.y, MAP_MARGIN_M):
             return drive.valley
         plan, (x, y, _) = drive.plan, drive.plan.curve.at(snapshot.s)
-        static = static_within(self.graph, plan, self.vehicle_class, x, y, MAP_SIDE_M, traffic.static)
+        static = static_within(self.graph, plan, self.limits.vehicle_class, (x, y), MAP_SIDE_M, traffic.static)
         return valley_map(plan.curve, snapshot.s, pose.heading, self.limits.wheelbase, static, self.limits.parameters)
 
 

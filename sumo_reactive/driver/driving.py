@@ -146,10 +146,7 @@ class Driving:
 
     def _plan(self, start: PlanStart, change_now: int = 0, aside: Aside | None = None) -> NominalPlan:
         control = self.controller
-        return plan(
-            control.graph, self.route, control.vehicle_class, control.limits, start,
-            change_now=change_now, aside=aside, choice=self.choice,
-        )  # fmt: skip
+        return plan(control.graph, self.route, control.limits, start, change_now=change_now, aside=aside)
 
     def _start(self, time: float) -> PlanStart:
         here, ego = segment_at(self.drive.plan, self.front), self.drive.ego
@@ -231,17 +228,16 @@ class Driving:
 
 
 def set_out(
-    controller: Controller, route: Route, start: PlanStart, choice: LaneChoice | None = None, ways: Ways | None = None
+    controller: Controller, route: Route, start: PlanStart, ways: Ways | None = None
 ) -> Driving:
-    """Return the driving of a route from its start; `choice` saves the route's lane outlooks from an earlier call.
+    """Return the driving of a route from its start.
 
     Raises PlanError naming the edges that no lane sequence connects.
     """
-    graph, limits, vehicle_class = controller.graph, controller.limits, controller.vehicle_class
-    choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
-    nominal = plan(graph, route, vehicle_class, limits, start, choice=choice)
+    graph, limits = controller.graph, controller.limits
+    nominal = plan(graph, route, limits, start)
     drive = Drive(VehicleState(start.pose, start.speed, start.steering_angle), nominal, 0.0)
-    return Driving(controller, route, choice, drive, start.speed_factor, ways)
+    return Driving(controller, route, choose_lanes(graph, route, limits.vehicle_class), drive, start.speed_factor, ways)
 
 
 def segment_at(nominal: NominalPlan, front: float) -> LaneSegment:

@@ -72,8 +72,8 @@ class Trip:
         self._moved = session.time
         graph = net.build(ego.route.edges)
         self._routes = 1
-        choice = choose_lanes(graph, ego.route, ego.vehicle_class)
-        controller = Controller(graph, ego.limits, scenario.profile, scenario.delays, ego.vehicle_class)
+        choose_lanes(graph, ego.route, ego.limits.vehicle_class)  # or an error, before the ego is taken over
+        controller = Controller(graph, ego.limits, scenario.profile, scenario.delays)
         self._observer = EgoObserver(ego_id, sensor, ego.limits.parameters.foreseen_lights_s)
         self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
@@ -87,7 +87,7 @@ class Trip:
         start = PlanStart(
             state.pose, state.speed, 0.0, session.time, lane_id, ego.lane_position(graph, lane_id), 0, ego.speed_factor
         )
-        self._driving: Driving = set_out(controller, ego.route, start, choice, _Ways(ego_id, net))
+        self._driving: Driving = set_out(controller, ego.route, start, _Ways(ego_id, net))
         self._traffic = self._observe()
         self._step = self._driving.step(self._traffic, session.step_length)  # what it calls is loaded: a step is pure
         self._control_us, self._is_first = 0.0, True

@@ -71,7 +71,6 @@ class Ego:
         if vehicle_class in NOT_ROAD_CARS:
             raise ScenarioError(f"ego '{vehicle_id}' is not a road car: its class is '{vehicle_class}'")
         self.id = vehicle_id
-        self.vehicle_class: str = vehicle_class
         self.limits: VehicleLimits = limits_of(vehicle_id, parameters)
         self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
         self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)

@@ -132,7 +132,7 @@ def limits_of(vehicle_id: str, parameters: Parameters = USUAL) -> VehicleLimits:
     sizes = values["wheelbase"], values["front_overhang"], values["width"]
     values.setdefault("max_steering_angle", steering_angle_of(*sizes))
     try:
-        return VehicleLimits(**values, parameters=parameters)
+        return VehicleLimits(**values, parameters=parameters, vehicle_class=vehicle.getVehicleClass(vehicle_id))
     except ValueError as error:
         raise ScenarioError(f"vehicle '{vehicle_id}': {error}") from error
 

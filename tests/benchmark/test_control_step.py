@@ -67,7 +67,7 @@ def test_a_control_step_before_a_busy_junction(benchmark, controller, traffic, d
 
 
 def test_perceiving(benchmark, controller, traffic, drive):
-    snapshot = benchmark(perceive, traffic, drive.ego, drive.plan, controller.graph, CAR, drive.s)
+    snapshot = benchmark(perceive, traffic, drive.ego, drive.plan, controller.graph, CAR, (drive.s, 0.0))
     assert snapshot.on_path
 
 

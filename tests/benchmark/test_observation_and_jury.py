@@ -36,7 +36,7 @@ def simulation() -> Iterator[tuple[RoadGraph, NominalPlan]]:
         pose = pose_of(x, y, heading_of(libsumo.vehicle.getAngle(EGO)), CAR)
         at = libsumo.vehicle.getLanePosition(EGO) * graph.lanes[lane].scale
         start = PlanStart(pose, libsumo.vehicle.getSpeed(EGO), 0.0, UNTIL_S, lane, at, 0)
-        yield graph, plan(graph, Route(route), "passenger", CAR, start)
+        yield graph, plan(graph, Route(route), CAR, start)
     finally:
         libsumo.close()
 

@@ -23,12 +23,13 @@ from sumo_reactive.driver.pilot import situation as pilot
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.pilot.behaviours.overtaking import try_out
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
-from sumo_reactive.driver.pilot.passages import crossings
+from sumo_reactive.driver.pilot.passages import View, crossings
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import passages_ahead
+from sumo_reactive.driver.view.attention import foes_of
 from sumo_reactive.driver.view.outlook import outlook
-from sumo_reactive.driver.view.perceive import perceive
+from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
@@ -119,7 +120,9 @@ class Situation:
 
     def seen(self, *users: RoadUser, lights: dict[str, str] | None = None) -> Snapshot:
         """Return what the ego perceives."""
-        return perceive(Traffic(self.time, users, lights or {}), self.ego, self.plan, self.graph, self.limits, 0.0)
+        traffic, place = Traffic(self.time, users, lights or {}), locate(self.ego, self.plan, self.limits, 0.0)
+        snapshot = perceive(traffic, self.ego, self.plan, self.graph, self.limits, place)
+        return snapshot._replace(foes=foes_of(traffic, self.plan, self.graph, self.limits, snapshot.passages))
 
     def outlook(self, *users: RoadUser, sight: float = 0.0) -> Outlook:
         """Return what the pilot is told of the others' ways and the lanes beside its own."""
@@ -137,7 +140,7 @@ class Situation:
         snapshot, view = self.seen(*users, lights=lights), self.outlook(*users, sight=sight)
         ahead = passages_ahead(self.graph, self.plan, self.limits, snapshot.passages)
         ways = tuple(crossings(snapshot, self.plan, ahead))
-        assessment = assess(snapshot, view.forecast, self.plan, stop, None, self.limits, ())
+        assessment = assess(View(snapshot, self.plan, self.limits, ahead, ways), view.forecast, stop, None, ())
         x = pilot.next_on_way(snapshot)
         found = pilot.Situation(
             snapshot, self.plan, self.limits, self.memory, events, ahead, ways, x, stop, assessment, view
@@ -202,4 +205,4 @@ def before(
     x, y = x - to_left * math.sin(heading), y + to_left * math.cos(heading)
     state = VehicleState(Pose(x - back * math.cos(heading), y - back * math.sin(heading), heading), speed, 0.0)
     start = PlanStart(state.pose, speed, 0.0, 100.0, lane_id, at, 0)
-    return Situation(graph, route, state, plan(graph, Route(route, stops=stops), "passenger", CAR, start, aside=aside))
+    return Situation(graph, route, state, plan(graph, Route(route, stops=stops), CAR, start, aside=aside))

@@ -38,7 +38,7 @@ def announced(vehicle):
 
 def test_what_sumo_says_of_a_vehicle_is_kept(monkeypatch):
     ego, vehicle = scripted(monkeypatch)
-    assert (ego.id, ego.vehicle_class, ego.departure, ego.speed_factor) == ("ego", "passenger", 3.0, 1.1)
+    assert (ego.id, ego.limits.vehicle_class, ego.departure, ego.speed_factor) == ("ego", "passenger", 3.0, 1.1)
     assert (ego.limits.length, ego.limits.width, ego.route) == (4.0, 1.8, Route(("w", "e")))
     assert ego.time_loss() == 4.5 and vehicle.told == []
 

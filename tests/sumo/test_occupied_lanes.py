@@ -28,7 +28,8 @@ def test_a_bus_is_shown_on_the_inner_lane_of_a_turn_that_it_takes_on_the_outer(t
     lane = graph.lanes["ab_0"]
     x, y = lane.spine.at(20.0)
     pose = Pose(x - limits.front_to_rear_axle, y, 0.0)
-    found = plan(graph, Route(("ab", "bc")), "bus", limits, PlanStart(pose, 8.0, 0.0, 0.0, "ab_0", 20.0, 0))
+    start, bus = PlanStart(pose, 8.0, 0.0, 0.0, "ab_0", 20.0, 0), replace(limits, vehicle_class="bus")
+    found = plan(graph, Route(("ab", "bc")), bus, start)
     seen = {}
     for s in range(int(found.curve.length) - 10):
         here = next(g for g in found.segments if s < g.end)
@@ -44,7 +45,7 @@ def test_an_ego_whose_front_has_swung_out_is_shown_where_sumo_does_not_map_it(tm
     graph = read_net(converted(tmp_path, NODES, EDGES, "--no-turnarounds")).build(("ab", "bc"))
     x, y = graph.lanes["ab_1"].spine.at(50.0)
     start = PlanStart(Pose(x - BUS.front_to_rear_axle, y, 0.0), 5.0, 0.0, 0.0, "ab_1", 50.0, 0)
-    found = plan(graph, Route(("ab", "bc")), "bus", BUS, start)
+    found = plan(graph, Route(("ab", "bc")), replace(BUS, vehicle_class="bus"), start)
     heading, reach = -0.5, BUS.front_to_rear_axle
     pose = Pose(x - reach * math.cos(heading), y + aside - reach * math.sin(heading), heading)
     here = next(g for g in found.segments if g.lane_id == "ab_1")
@@ -76,7 +77,7 @@ def planned(graph, lane_id, x, **how):
     """A plan from `x` m of a lane of the road, and the segment of C there."""
     y = graph.lanes[lane_id].spine.at(x)[1]
     start = PlanStart(car_with_front_at(x, y).pose, 5.0, 0.0, 0.0, lane_id, x, 0)
-    found = plan(graph, Route(("ab",)), "passenger", CAR, start, **how)
+    found = plan(graph, Route(("ab",)), CAR, start, **how)
     return found, found.segments[0]
 
 

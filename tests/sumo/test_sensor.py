@@ -185,7 +185,7 @@ def start_of(graph, edge: str, away: float, speed: float) -> PlanStart:
 def observed(net, folder, content: str, steps: int = 2, away: float = 30.0):
     """Traffic that the ego sees from `away` m before the junction on its way from the west to the east."""
     graph, route = read_net(net).build(("wc", "ce")), ("wc", "ce")
-    found = plan(graph, Route(route), "passenger", CAR, start_of(graph, "wc", away, 8.0))
+    found = plan(graph, Route(route), CAR, start_of(graph, "wc", away, 8.0))
     with running(net, folder, content):
         simulated(steps)
         return EgoObserver("ego", Sensor()).observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
@@ -223,7 +223,7 @@ def test_the_future_of_a_light_is_known_for_as_long_as_asked_where_its_program_i
 
 def test_an_ego_observes_who_walks_over_the_road_ahead_and_who_is_about_to(net, tmp_path):
     graph = read_net(net).build(("wc", "ce"))
-    found = plan(graph, Route(("wc", "ce")), "passenger", CAR, start_of(graph, "wc", 30.0, 8.0))
+    found = plan(graph, Route(("wc", "ce")), CAR, start_of(graph, "wc", 30.0, 8.0))
     seen: list[str] = []
     with running(net, tmp_path, WALK):
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
@@ -239,7 +239,7 @@ def test_an_ego_observes_who_walks_over_the_road_ahead_and_who_is_about_to(net, 
 def test_an_ego_looks_anew_once_it_has_come_on(net, tmp_path):
     """Far before the junction the light does not matter yet."""
     graph = read_net(net).build(("wc", "ce"))
-    found = plan(graph, Route(("wc", "ce")), "passenger", CAR, start_of(graph, "wc", 140.0, 3.0))
+    found = plan(graph, Route(("wc", "ce")), CAR, start_of(graph, "wc", 140.0, 3.0))
     with running(net, tmp_path, ""):
         simulated()
         observer = EgoObserver("ego", Sensor())

@@ -13,6 +13,8 @@ from sumo_reactive.driver.field.desired_speed import HARDER_BY, desired_speed, r
 from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
+from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.decision import INSTRUCTION_NUMBERS, Instruction
 from sumo_reactive.driver.nouns.record import TOO_NEAR
@@ -63,6 +65,15 @@ class Execution(NamedTuple):
         return self._replace(emergency=True, hazard=before.hazard) if before.emergency else self
 
 
+class _Bounds(NamedTuple):
+    """The time that a command lasts (s), the room to brake in (m), the speeds wanted and lowest planned behind it (m/s)."""
+
+    period: float
+    room: float
+    wanted: float
+    lowest: float
+
+
 def execute(
     snapshot: Snapshot,
     completed: CompletedPlan,
@@ -92,57 +103,42 @@ def execute(
     if completed.tuning.wide_grid:
         grid = wide_grid(limits)
     planned = limits.service_deceleration if nine_commands else limits.planned_deceleration
-    lowest = min(wanted, ego.speed - planned * period)
     room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
-    command, verdict, potentials, state = _choose(snapshot, completed, grid, limits, period, room, (wanted, lowest), valley)
+    car = _car(ego, limits, _weights(completed, limits.parameters))
+    bounds = _Bounds(period, room, wanted, min(wanted, ego.speed - planned * period))
+    command, verdict, potentials, state = _choose(snapshot, completed.plan.curve, car, bounds, grid, valley)
     emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
     hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
     return Execution(command, state, wanted, potentials, emergency, hazard)
 
 
 def _choose(
-    snapshot: Snapshot,
-    completed: CompletedPlan,
-    grid: CommandGrid,
-    limits: VehicleLimits,
-    period: float,
-    room: float,
-    aims: tuple[float, float],
-    valley: ValleyMap,
+    snapshot: Snapshot, curve: Curve, car: Floats, bounds: _Bounds, grid: CommandGrid, valley: ValleyMap
 ) -> tuple[Command, int, Potentials, VehicleState]:
     """Return the command, the verdict on it, its potentials and the state that it leads to."""
-    ego, curve, w = snapshot.ego, completed.plan.curve, _weights(completed, limits.parameters)
+    acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
+        car, grid.accelerations, grid.steering_rates, grid.rounds, *bounds,
+        curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
+        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room, driver_of(snapshot.parameters),
+    )  # fmt: skip
+    w1, w2, w3 = car[-3:].tolist()
+    potentials = Potentials(w1 * u1 + w2 * u2 + w3 * u3, u1, u2, u3)
+    state = VehicleState(Pose(x, y, heading), speed, angle, (speed - snapshot.ego.speed) / bounds.period)
+    return Command(acceleration, rate), verdict, potentials, state
+
+
+def _car(ego: VehicleState, limits: VehicleLimits, w: Weights) -> Floats:
+    """Return where the car is, what it can do and what its instruction weighs, as `choose_command` takes them."""
     p = ego.pose
     lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
-    car = np.array(
+    return np.array(
         (
-            p.x,
-            p.y,
-            p.heading,
-            ego.speed,
-            ego.steering_angle,
-            limits.wheelbase,
-            limits.front_to_rear_axle,
-            limits.length,
-            limits.width,
-            limits.max_speed,
-            max(limits.max_steering_angle, abs(ego.steering_angle)),
-            limits.max_lateral_acceleration,
-            limits.emergency_deceleration,
-            lateral,
-            w.valley,
-            w.shadow,
-            w.velocity,
+            p.x, p.y, p.heading, ego.speed, ego.steering_angle,
+            limits.wheelbase, limits.front_to_rear_axle, limits.length, limits.width, limits.max_speed,
+            max(limits.max_steering_angle, abs(ego.steering_angle)), limits.max_lateral_acceleration,
+            limits.emergency_deceleration, lateral, w.valley, w.shadow, w.velocity,
         )
-    )
-    acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
-        car, grid.accelerations, grid.steering_rates, grid.rounds, period, room, *aims,
-        curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
-        valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room, driver_of(limits.parameters),
     )  # fmt: skip
-    potentials = Potentials(w.valley * u1 + w.shadow * u2 + w.velocity * u3, u1, u2, u3)
-    state = VehicleState(Pose(x, y, heading), speed, angle, (speed - ego.speed) / period)
-    return Command(acceleration, rate), verdict, potentials, state
 
 
 def _weights(completed: CompletedPlan, parameters: Parameters) -> Weights:

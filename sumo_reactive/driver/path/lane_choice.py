@@ -87,6 +87,7 @@ class LaneChoice:
         return sorted((c for c in found if rank(c)[0] < math.inf), key=rank)
 
 
+@kept(16)
 def choose_lanes(graph: RoadGraph, route: Route, vehicle_class: str) -> LaneChoice:
     """Return the cost of every lane of the route; PlanError when the network lacks an edge or a stop lies off it."""
     stages = tuple(_stages(graph, route))

@@ -67,19 +67,18 @@ class LeftLane:
 
 
 def plan(
-    graph: RoadGraph, route: Route, vehicle_class: str, limits: VehicleLimits, start: PlanStart, *,
-    change_now: int = 0, aside: Aside | None = None, choice: LaneChoice | None = None,
+    graph: RoadGraph, route: Route, limits: VehicleLimits, start: PlanStart, *,
+    change_now: int = 0, aside: Aside | None = None,
 ) -> NominalPlan:  # fmt: skip
     """Return the nominal plan from `start` along `route`, at most PLAN_HORIZON_M ahead.
 
     `change_now` (+1 left, −1 right) begins the change to that neighbour lane at the car's pose; `aside` leads beside the
-    lane's centre, its places counted from the front axle. `choice` saves the lanes' costs from an earlier call. PlanError
-    names the edges that no lane sequence connects.
+    lane's centre, its places counted from the front axle. PlanError names the edges that no lane sequence connects.
     """
-    choice = choose_lanes(graph, route, vehicle_class) if choice is None else choice
+    choice = choose_lanes(graph, route, limits.vehicle_class)
     reference, left = _reference(choice, route, limits, start, change_now)
     reference.cut_at(PLAN_HORIZON_M)
-    turns = _turns(reference, route, limits, vehicle_class, start)
+    turns = _turns(reference, route, limits, start)
     in_moves = [(turn.start, turn.end) for turn in turns]
     course = trajectory(reference, start.curve_start(limits.wheelbase), limits, aside, in_moves)
     nominal = _on_curve(reference, course, limits, start, left, turns)
@@ -88,7 +87,7 @@ def plan(
 
 
 def _turns(
-    reference: Reference, route: Route, limits: VehicleLimits, vehicle_class: str, start: PlanStart
+    reference: Reference, route: Route, limits: VehicleLimits, start: PlanStart
 ) -> list[Turnaround]:
     """Return the turns in several moves on the reference, their places in m of it, that begin ahead of the car."""
     found, graph = [], reference.graph
@@ -96,13 +95,13 @@ def _turns(
     for ways, began, ended in ways_back(graph, ahead):
         before = _piece_at(reference, began).route_index  # of the edge before the junction
         around = road_around(graph, ways, route.edges, before, limits)
-        turn = turn_in_moves(graph, ways, limits, vehicle_class, around)
+        turn = turn_in_moves(graph, ways, limits, around)
         latest = began - limits.parameters.stop_line_margin_m - limits.front_overhang
         if turn is not None and turn.before >= latest + LATE_M:
             latest = round(latest - start.speed**2 / (2.0 * limits.service_deceleration), 1)
             along = graph.lanes[graph.connections[ways[0]].from_lane].spine
             askew = abs(wrapped(start.pose.heading - along.heading_at(along.length)))
-            turn = turn_in_moves(graph, ways, limits, vehicle_class, around, latest) if askew < ASKEW_RAD else None
+            turn = turn_in_moves(graph, ways, limits, around, latest) if askew < ASKEW_RAD else None
         if turn is None:
             continue
         own = _piece_at(reference, min(began - turn.before, began - CURVE_STEP_M))

@@ -156,8 +156,8 @@ class _Task(NamedTuple):
 
 @kept(TURNAROUNDS_KEPT)
 def turn_in_moves(
-    graph: RoadGraph, connection_ids: tuple[str, ...], limits: VehicleLimits, vehicle_class: str = "passenger",
-    around: Around | None = None, latest: float | None = None,
+    graph: RoadGraph, connection_ids: tuple[str, ...], limits: VehicleLimits, around: Around | None = None,
+    latest: float | None = None,
 ) -> MultiPointTurn | None:  # fmt: skip
     """Return how the car turns round on a way back; None: in one sweep, or no moves are found.
 
@@ -168,7 +168,8 @@ def turn_in_moves(
     way, around = way_over(graph, connection_ids), around or Around()
     inside = [graph.lanes[name] for name in (*way.parts, *around.before, *around.behind)]
     before, exits = (
-        [lane for lane in graph.edge_lanes[one.edge_id] if lane.allows(vehicle_class)] for one in (way.own, way.behind)
+        [lane for lane in graph.edge_lanes[edge_id] if lane.allows(limits.vehicle_class)]
+        for edge_id in (way.own.edge_id, way.behind.edge_id)
     )
     if not leads_back(graph, connection_ids) or _is_swept(graph, connection_ids, limits, [*before, *inside, *exits]):
         return None

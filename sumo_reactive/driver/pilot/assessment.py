@@ -20,6 +20,7 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Foe, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import Parameters
+from sumo_reactive.driver.pilot.passages import View
 from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, is_enough
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
@@ -33,19 +34,23 @@ NO_LEADERS: Floats = np.empty((0, 3))
 
 
 class Way(NamedTuple):
-    """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s."""
+    """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s.
+
+    `stop`: where the front bumper is to stop (m of it).
+    """
 
     x: Floats
     y: Floats
     heading: Floats
     speed_limits: Floats
     step: float
+    stop: float = math.inf
 
 
-def way_of(plan: NominalPlan) -> Way:
-    """Return the curve C of a plan."""
+def way_of(plan: NominalPlan, stop: float = math.inf) -> Way:
+    """Return the curve C of a plan, up to where the front bumper is to stop on it (m)."""
     curve = plan.curve
-    return Way(curve.x, curve.y, curve.heading, plan.speed_limits, curve.step)
+    return Way(curve.x, curve.y, curve.heading, plan.speed_limits, curve.step, stop)
 
 
 @kernel
@@ -110,15 +115,9 @@ def first_contact(
 
 
 def simulate(
-    snapshot: Snapshot,
-    way: Way,
-    stop: TimeConstraint | None,
-    leaders: Floats,
-    limits: VehicleLimits,
-    duration: float,
-    headway: float = 1.0,
+    snapshot: Snapshot, way: Way, leaders: Floats, limits: VehicleLimits, duration: float, headway: float = 1.0
 ) -> Floats:
-    """Return the ego's motion along `way`, (n, 5) as `drive_ahead` gives it, behind `leaders` (m, 3), up to `stop`.
+    """Return the ego's motion along `way`, (n, 5) as `drive_ahead` gives it, behind `leaders` (m, 3).
 
     `headway`: share of the driver's own that is kept.
     """
@@ -126,7 +125,7 @@ def simulate(
     ego = snapshot.ego
     drive_ahead(
         snapshot.s, ego.pose.heading, ego.speed, way.x, way.y, way.heading, way.speed_limits, way.step,
-        math.inf if stop is None else stop.s, leaders, limits.acceleration_in_plan, max(ego.acceleration, 0.0),
+        way.stop, leaders, limits.acceleration_in_plan, max(ego.acceleration, 0.0),
         snapshot.parameters.comfort_jerk, snapshot.parameters.speed_approach_s,
         limits.comfort_deceleration, headway * limits.time_headway, limits.standstill_gap, limits.wheelbase,
         limits.front_overhang, ASSESSMENT_STEP_S, out,
@@ -167,19 +166,15 @@ def leader_table(snapshot: Snapshot) -> Floats:
 
 
 def assess(
-    snapshot: Snapshot,
-    forecast: Forecast,
-    plan: NominalPlan,
-    stop: TimeConstraint | None,
-    target: TimeConstraint | None,
-    limits: VehicleLimits,
-    trusted: Collection[str],
+    view: View, forecast: Forecast, stop: TimeConstraint | None, target: TimeConstraint | None, trusted: Collection[str]
 ) -> Assessment:
     """Return how the plan ends if the ego goes on for a while: fine, late for `target`, or in touch with somebody.
 
     Who comes from behind has to look out himself, and so has who is `trusted` to yield and still can.
     """
-    trace = simulate(snapshot, way_of(plan), stop, leader_table(snapshot), limits, snapshot.parameters.assessed_s)
+    snapshot, plan, limits = view.snapshot, view.plan, view.limits
+    way = way_of(plan) if stop is None else way_of(plan, stop.s)
+    trace = simulate(snapshot, way, leader_table(snapshot), limits, snapshot.parameters.assessed_s)
     late = max(plan.delay(float(trace[-1, 4]), snapshot.time + len(trace) * ASSESSMENT_STEP_S), 0.0)
     speeds = _speeds(snapshot, forecast, limits, trusted)
     k, n = first_contact(

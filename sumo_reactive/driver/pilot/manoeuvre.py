@@ -76,7 +76,7 @@ def prove(
     """
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     way, longest = _way_out(situation, x, lateral), limits.parameters.overtaking_s
-    trace = simulate(snapshot, way, None, _leaders(situation, x, lateral), limits, longest, headway=PASSING_HEADWAY)
+    trace = simulate(snapshot, way, _leaders(situation, x, lateral), limits, longest, headway=PASSING_HEADWAY)
     fronts = x.front + x.speed * ASSESSMENT_STEP_S * np.arange(len(trace))
     rear = trace[:, 4] + limits.front_overhang - limits.length
     clear = rear >= fronts + x.gap(limits.parameters)
@@ -93,7 +93,7 @@ def prove(
     if lane is not None and lane.is_oncoming and not _is_in_sight(situation, lane, until, duration):
         return Proof(None, "the oncoming lane is not in sight far enough")
     full = displaced(way, lateral_of(aside, plan.curve.step * np.arange(len(way.x))) - lateral, back)
-    trace = simulate(snapshot, full, None, _leaders(situation, x, lateral), limits, duration, headway=PASSING_HEADWAY)
+    trace = simulate(snapshot, full, _leaders(situation, x, lateral), limits, duration, headway=PASSING_HEADWAY)
     return _meeting(situation, trace, x, aside, duration, margin)
 
 
@@ -205,7 +205,7 @@ def in_the_way_back(situation: Situation, way: Aside) -> str:
     whole, samples = _along(plan, now.until + FIND_REACH_M)
     returning = displaced(whole, lateral_of(now, samples) - lateral_of(way, samples), now.back)
     duration = length / max(snapshot.ego.speed, 2.0) + 2.0
-    trace = simulate(snapshot, returning, None, leader_table(snapshot), limits, duration)
+    trace = simulate(snapshot, returning, leader_table(snapshot), limits, duration)
     x = Passed(way.user_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
     found = _meeting(situation, trace, x, now, duration, Margin(0.0, 0.0, PROOF_ROOM_M))
     return "" if found.aside is not None else found.obstacle

@@ -172,7 +172,7 @@ def _assess(view: View, outlook: Outlook, memory: PilotMemory) -> Assessment:
     stop = unconditional_stop(view, memory)
     trusted = {f.user.id for f in snapshot.foes if f.conflict.is_yielded_to and not f.conflict.must_yield}
     target = next((c for c in plan.time_constraints if c.s > snapshot.front), None)
-    return assess(snapshot, outlook.forecast, plan, stop, target, view.limits, trusted)
+    return assess(view, outlook.forecast, stop, target, trusted)
 
 
 def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:

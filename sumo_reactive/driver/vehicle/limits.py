@@ -21,7 +21,7 @@ class VehicleLimits:
     `comfort_deceleration` is what planned braking uses, `service_deceleration` what the vehicle type states as its own,
     `emergency_deceleration` its physical limit. `front_overhang` is from the front axle to the front bumper.
     `time_headway` (s) and `standstill_gap` (m) are what the driver keeps to a leader, `parameters` all else that its driver
-    goes by.
+    goes by. `vehicle_class`, SUMO's name for it, tells which lanes are open to it.
     """
 
     length: float
@@ -40,9 +40,10 @@ class VehicleLimits:
     time_headway: float = 1.0
     standstill_gap: float = 2.0
     parameters: Parameters = USUAL
+    vehicle_class: str = "passenger"
 
     def __post_init__(self) -> None:
-        positive = {k: v for k, v in vars(self).items() if k not in ("front_overhang", "parameters")}
+        positive = {k: v for k, v in vars(self).items() if k not in ("front_overhang", "parameters", "vehicle_class")}
         for name, value in positive.items():
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"vehicle {name} must be positive and finite, got {value}")

@@ -17,7 +17,6 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
-    foes_of,
     in_sight,
     lane_axis,
     lane_sought,
@@ -50,28 +49,25 @@ def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before
 
 
 def perceive(
-    traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s_before: float,
-    vehicle_class: str = "passenger", d_before: float | None = None, *, looks_for_foes: bool = True,
+    traffic: Traffic, ego: VehicleState, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits,
+    place: tuple[float, float],
 ) -> Snapshot:  # fmt: skip
-    """Relate `traffic` to the plan: who stands in the corridor, who can reach which region, who drives beside.
+    """Relate `traffic` to the plan: who stands in the corridor, who drives beside; foes are looked for where they matter.
 
-    `s_before` is the ego's last known arc length on C (m); with `d_before`, how far left of C its front axle is (m), it has
-    just been found. Its `vehicle_class` tells what is open to it. A pilot whose decision rests on no foe does not look for
-    any.
+    `place` is (s, d) of the front axle on C (m, left positive), as `locate` finds it.
     """
-    s, d = locate(ego, plan, limits, s_before) if d_before is None else (s_before, d_before)
+    s, d = place
     front = s + limits.front_overhang
     boxes = _boxes(traffic.users)
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
-    foes = foes_of(traffic, plan, graph, limits, sight) if looks_for_foes else ()
     sought = lane_sought(graph, plan, front)
     off_tracking = None if sought else next_off_tracking(plan, graph, limits, s, front)
     beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
     near = _near(traffic.users, boxes, graph, ego, limits)
-    static = static_near(graph, plan, vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
+    static = static_near(graph, plan, limits.vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
     behind = tuple(leaders(met, front, ego.speed, limits))
@@ -81,7 +77,7 @@ def perceive(
     lights = traffic.lights
     room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
     return Snapshot(
-        traffic.time, ego, s, d, front, near, static, on_path, behind, foes, neighbours, lights, sight, off_tracking, room,
+        traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking, room,
         limits.parameters, traffic.switches,
     )  # fmt: skip
 

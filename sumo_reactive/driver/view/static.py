@@ -36,11 +36,11 @@ def static_near(
 
 
 def static_within(
-    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, x: float, y: float, side: float, extra: Floats = NO_POINTS
+    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, at: tuple[float, float], side: float, extra: Floats = NO_POINTS
 ) -> Floats:
-    """Return the points of O_S (k, 2), m, in the square window of `side` m around (x, y)."""
+    """Return the points of O_S (k, 2), m, in the square window of `side` m around a place."""
     points = np.concatenate((_beside(plan, graph, vehicle_class)[1], extra))
-    inside = np.abs(points - (x, y)).max(axis=1, initial=0.0) <= 0.5 * side
+    inside = np.abs(points - at).max(axis=1, initial=0.0) <= 0.5 * side
     return np.asarray(points[inside])
 
 

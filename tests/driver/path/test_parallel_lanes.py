@@ -17,7 +17,7 @@ def world(*links: tuple[str, str], lanes: int = 2) -> RoadGraph:
 
 
 def ways(made: RoadGraph, lane_id: str, route: Route) -> tuple[ParallelLane, ...]:
-    found = plan(made, route, "passenger", CAR, start_on(made.lanes[lane_id], 10.0))
+    found = plan(made, route, CAR, start_on(made.lanes[lane_id], 10.0))
     return found.parallel_lanes.get(0, ())
 
 

@@ -51,7 +51,7 @@ def test_other_lanes_are_driven_to_their_end(world: RoadGraph) -> None:
 @pytest.mark.parametrize("position", [10.0, 40.0])
 def test_c_turns_once_and_its_passage_begins_where_it_leaves_the_lane(position: float) -> None:
     world = overrunning((54.0, 2.0), (54.0, -60.0), (57.0, 0.5))
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], position))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], position))
     assert float(np.ptp(found.curve.heading)) < 2.0
     assert found.curve.x.max() < 56.0
     (passage,) = found.passages
@@ -64,7 +64,7 @@ def test_c_turns_once_and_its_passage_begins_where_it_leaves_the_lane(position: 
 
 def test_who_is_past_that_place_follows_the_lane() -> None:
     world = overrunning((54.0, 2.0), (54.0, -60.0), (57.0, 0.5))
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 59.0, speed=2.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 59.0, speed=2.0))
     assert found.passages[0].start > 3.0
 
 
@@ -76,7 +76,7 @@ def test_what_is_drawn_forth_and_back_is_left_out_of_c() -> None:
     found = fold_of(lanes[0])
     assert found is not None
     assert (found.leaves, found.joins) == pytest.approx((30.0, 90.0), abs=0.1)
-    c = plan(graph([lanes], []), Route(("a",)), "passenger", CAR, start_on(lanes[0], 10.0))
+    c = plan(graph([lanes], []), Route(("a",)), CAR, start_on(lanes[0], 10.0))
     assert float(np.ptp(c.curve.heading)) < 0.1
     first, second = c.segments
     assert second.lane_offset == found.joins

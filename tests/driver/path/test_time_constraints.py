@@ -32,7 +32,7 @@ def test_a_driven_profile_accelerates_no_harder_than_the_car(speeds: np.ndarray,
 
 def test_the_envelope_keeps_lane_limits_and_slows_down_before_a_bend() -> None:
     world = corner(8.0, 10)
-    found = plan(world, Route(("a", "b")), "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, Route(("a", "b")), CAR, start_on(world.lanes["a_0"], 10.0))
     assert found.speed_limits.max() <= 13.9
     assert 3.5 < found.speed_limits.min() < 5.5
     assert np.all(-np.diff(found.speed_limits**2) <= 2.0 * CAR.comfort_deceleration * 0.5 + 1e-6)
@@ -40,7 +40,7 @@ def test_the_envelope_keeps_lane_limits_and_slows_down_before_a_bend() -> None:
 
 def test_time_constraints_increase_along_the_curve() -> None:
     world = corner(8.0, 10)
-    found = plan(world, Route(("a", "b")), "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, Route(("a", "b")), CAR, start_on(world.lanes["a_0"], 10.0))
     times = [c.time for c in found.time_constraints]
     places = [c.s for c in found.time_constraints]
     assert len(times) == 3
@@ -50,7 +50,7 @@ def test_time_constraints_increase_along_the_curve() -> None:
 
 def test_a_straight_road_takes_length_over_speed() -> None:
     world = graph([road("a", [(0, 0), (500, 0)], speed=10.0)], [])
-    (goal,) = plan(world, Route(("a",)), "passenger", CAR, start_on(world.lanes["a_0"], 10.0)).time_constraints
+    (goal,) = plan(world, Route(("a",)), CAR, start_on(world.lanes["a_0"], 10.0)).time_constraints
     assert goal.time == pytest.approx(100.0 + 49.0, abs=0.3)
 
 
@@ -58,7 +58,7 @@ def test_a_straight_road_takes_length_over_speed() -> None:
 def test_a_scheduled_stop_delays_what_follows(until: float | None, leaves: float) -> None:
     world = graph([road("a", [(0, 0), (500, 0)], speed=10.0)], [])
     route = Route(("a",), stops=(ScheduledStop("a_0", 150.0, 30.0, until),))
-    halt, goal = plan(world, route, "passenger", CAR, start_on(world.lanes["a_0"], 10.0)).time_constraints
+    halt, goal = plan(world, route, CAR, start_on(world.lanes["a_0"], 10.0)).time_constraints
     assert halt.time == pytest.approx(116.0, abs=0.5)
     departs = 200.0 if until else halt.time + 30.0
     assert goal.time == pytest.approx(departs + 36.9, abs=0.5)
@@ -70,7 +70,7 @@ def test_a_scheduled_stop_delays_what_follows(until: float | None, leaves: float
 def straight_plan(stops=(), slack: float = 0.0):
     """A plan of 500 m at 10 m/s that begins at time 100 s, every (l, t_l) put off by `slack` s."""
     world = graph([road("a", [(0, 0), (500, 0)], speed=10.0)], [])
-    found = plan(world, Route(("a",), stops=stops), "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, Route(("a",), stops=stops), CAR, start_on(world.lanes["a_0"], 10.0))
     return replace(found, time_constraints=tuple(TimeConstraint(c.s, c.time + slack) for c in found.time_constraints))
 
 

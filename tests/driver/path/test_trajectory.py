@@ -41,14 +41,14 @@ def steering(found: NominalPlan, limits: VehicleLimits = CAR) -> float:
 @pytest.mark.parametrize("points", [3, 4, 8])
 def test_a_tight_corner_can_be_steered_and_stays_in_its_lane(points: int) -> None:
     world = corner(4.4, points)
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0))
     assert steering(found) <= CAR.max_steering_angle
     assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 0.4
 
 
 def test_a_normal_turn_keeps_to_the_centre_line() -> None:
     world = corner(9.0, 12)
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0))
     assert np.abs(found.curve.curvature).max() < 0.17
     assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 0.35
 
@@ -57,7 +57,7 @@ def test_a_u_turn_of_three_metres_swings_out_until_the_car_can_steer_it() -> Non
     a, b = road("a", [(0, 0), (60, 0)]), road("b", [(60, 6), (0, 6)])
     bend = [(60 + 3 * math.sin(t), 3 - 3 * math.cos(t)) for t in np.linspace(0, math.pi, 7)[1:-1]]
     world = graph([a, b], [("a_0", "b_0")], {"a_0": bend})
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0))
     assert steering(found) <= CAR.max_steering_angle
     assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 3.0
 
@@ -65,7 +65,7 @@ def test_a_u_turn_of_three_metres_swings_out_until_the_car_can_steer_it() -> Non
 @pytest.mark.parametrize(("radius", "room"), [(3.0, 1.2), (6.0, 0.5), (9.0, 0.4)])
 def test_a_bus_of_twelve_metres_can_steer_a_corner_and_stays_near_its_lane(radius: float, room: float) -> None:
     world = corner(radius, 6)
-    found = plan(world, AB, "passenger", BUS, start_on(world.lanes["a_0"], 20.0))
+    found = plan(world, AB, BUS, start_on(world.lanes["a_0"], 20.0))
     assert steering(found, BUS) <= BUS.max_steering_angle
     assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < room
 
@@ -85,7 +85,7 @@ def test_a_bus_keeps_its_front_out_of_the_oncoming_lane_in_a_right_turn(radius: 
     a, b = road("a", [(0, 0), (60, 0)]), road("b", [(60 + radius, -radius), (60 + radius, -60 - radius)])
     bend = [(60 + radius * math.sin(t), radius * (math.cos(t) - 1)) for t in np.linspace(0, math.pi / 2, 7)[1:-1]]
     world = graph([a, b], [("a_0", "b_0")], {"a_0": bend})
-    found = plan(world, AB, "passenger", BUS, start_on(world.lanes["a_0"], 20.0))
+    found = plan(world, AB, BUS, start_on(world.lanes["a_0"], 20.0))
     assert steering(found, BUS) <= BUS.max_steering_angle
     behind = [x for x, y in bumper(found, BUS).points if -40.0 < y < -radius]
     assert max(behind) - 60.0 - radius < 1.2
@@ -109,13 +109,13 @@ def test_a_u_turn_that_takes_no_moves_can_be_steered(length: float, apart: float
     a, b = road("a", [(0, 0), (100, 0)]), road("b", [(100, apart), (0, apart)])
     world = graph([a, b], [("a_0", "b_0")], {"a_0": [(101.2, 0.6), (101.2, apart - 0.6)]})
     van = replace(BUS, length=length, wheelbase=0.6 * length, front_overhang=0.18 * length)
-    found = plan(world, AB, "passenger", van, start_on(world.lanes["a_0"], 20.0))
+    found = plan(world, AB, van, start_on(world.lanes["a_0"], 20.0))
     assert steering(found, van) <= van.max_steering_angle + 0.02
 
 
 def test_the_curve_is_sampled_at_even_arc_length() -> None:
     world = corner(6.0, 5)
-    curve = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0)).curve
+    curve = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0)).curve
     steps = np.hypot(np.diff(curve.x), np.diff(curve.y))
     assert np.allclose(steps, curve.step, rtol=0.01)
     assert np.allclose(np.diff(curve.heading), 0.5 * (curve.curvature[1:] + curve.curvature[:-1]) * curve.step, atol=0.01)
@@ -126,7 +126,7 @@ def test_the_curve_is_sampled_at_even_arc_length() -> None:
 def test_the_curve_begins_at_the_front_axle_in_its_direction(offset: float, speed: float, position: float) -> None:
     world = graph([road("a", [(0, 0), (200, 0)])], [])
     start = start_on(world.lanes["a_0"], position, speed, offset)
-    curve = plan(world, Route(("a",)), "passenger", CAR, start).curve
+    curve = plan(world, Route(("a",)), CAR, start).curve
     assert (curve.x[0], curve.y[0]) == pytest.approx((position - 0.9, offset), abs=0.02)
     assert curve.heading[0] == pytest.approx(0.0, abs=0.03)
     assert np.abs(curve.curvature).max() * min(speed, 8.0) ** 2 < 4.0 + 8.0 * (speed < 4.0)
@@ -137,7 +137,7 @@ def test_the_curve_begins_at_the_front_axle_in_its_direction(offset: float, spee
 @pytest.mark.parametrize("speed", [0.0, 8.0, 15.0])
 def test_a_change_now_is_comfortable_at_the_present_speed(side: int, speed: float) -> None:
     world = graph([road("a", [(0, 0), (300, 0)], 3)], [])
-    found = plan(world, Route(("a",)), "passenger", CAR, start_on(world.lanes["a_1"], 60.0, speed), change_now=side)
+    found = plan(world, Route(("a",)), CAR, start_on(world.lanes["a_1"], 60.0, speed), change_now=side)
     assert np.abs(found.curve.curvature).max() <= min(CAR.max_curvature, 3.0 / max(speed, 1.0) ** 2)
     (change,) = found.lane_changes
     assert (change.start, change.side) == (0.0, side)
@@ -147,14 +147,14 @@ def test_a_change_now_is_comfortable_at_the_present_speed(side: int, speed: floa
 
 def test_a_late_change_is_smooth_at_the_envelope_speed() -> None:
     world = graph([road("a", [(0, 0), (300, 0)], 2), road("b", [(301, 0), (400, 0)])], [("a_0", "b_0")])
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_1"], 10.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_1"], 10.0))
     lateral = np.abs(found.curve.curvature) * found.speed_limits**2
     assert lateral.max() < 1.1 * CAR.comfort_lateral_acceleration
 
 
 def test_a_point_of_a_lane_lies_where_its_segment_says() -> None:
     world = corner(7.0, 6)
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0))
     for segment in found.segments:
         spine = world.lanes[segment.lane_id].spine
         for p in np.linspace(max(segment.lane_offset, 0.0), spine.length, 8):
@@ -164,7 +164,7 @@ def test_a_point_of_a_lane_lies_where_its_segment_says() -> None:
 
 def test_segments_follow_one_another_without_gaps() -> None:
     world = corner(7.0, 6)
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0))
     assert found.segments[0].start == 0.0
     assert all(a.end == b.start for a, b in zip(found.segments, found.segments[1:], strict=False))
     assert found.curve.length >= found.goal + 9.0 if found.goal is not None else False
@@ -172,7 +172,7 @@ def test_segments_follow_one_another_without_gaps() -> None:
 
 def test_a_plan_can_begin_inside_a_junction() -> None:
     world = corner(9.0, 8)
-    found = plan(world, AB, "passenger", CAR, start_on(world.lanes[":J0_0"], 6.0))
+    found = plan(world, AB, CAR, start_on(world.lanes[":J0_0"], 6.0))
     assert [s.lane_id for s in found.segments] == [":J0_0", "b_0"]
     assert found.passages[0].start < 0.0
     assert steering(found) <= CAR.max_steering_angle
@@ -180,7 +180,7 @@ def test_a_plan_can_begin_inside_a_junction() -> None:
 
 def test_the_plan_ends_at_the_horizon_without_a_goal() -> None:
     world = graph([road("a", [(0, 0), (5000, 0)])], [])
-    found = plan(world, Route(("a",)), "passenger", CAR, start_on(world.lanes["a_0"], 10.0))
+    found = plan(world, Route(("a",)), CAR, start_on(world.lanes["a_0"], 10.0))
     assert found.goal is None
     assert found.curve.length == pytest.approx(2000.0, abs=1.0)
 
@@ -188,7 +188,7 @@ def test_the_plan_ends_at_the_horizon_without_a_goal() -> None:
 def test_lanes_shorter_than_a_metre_are_driven_over() -> None:
     roads = [road("a", [(0, 0), (50, 0)]), road("b", [(50.1, 0), (50.3, 0)]), road("c", [(50.4, 0), (100, 0)])]
     world = graph(roads, [("a_0", "b_0"), ("b_0", "c_0")])
-    found = plan(world, Route(("a", "b", "c")), "passenger", CAR, start_on(world.lanes["b_0"], 0.1, route_index=1))
+    found = plan(world, Route(("a", "b", "c")), CAR, start_on(world.lanes["b_0"], 0.1, route_index=1))
     assert [s.lane_id for s in found.segments] == ["b_0", ":J1_0", "c_0"]
     assert np.abs(found.curve.curvature).max() < 0.01
 
@@ -199,7 +199,7 @@ def led_out(speed: float, offset: float, error: float) -> tuple[float, float]:
     world = graph([road("a", [(0, 0), (400, 0)], speed=25.0)], [])
     start = start_on(world.lanes["a_0"], 60.0, speed, offset)
     pose = replace(start.pose, heading=error, y=offset - CAR.wheelbase * math.sin(error))
-    found = plan(world, Route(("a",)), "passenger", CAR, replace(start, pose=pose)).curve
+    found = plan(world, Route(("a",)), CAR, replace(start, pose=pose)).curve
     return float(np.abs(found.y).max()), float(np.abs(found.curvature).max())
 
 
@@ -226,6 +226,6 @@ def test_a_long_body_keeps_its_front_on_the_road_in_a_left_turn(degrees: float, 
     behind = end[0] + 60.0 * math.cos(angle), end[1] + 60.0 * math.sin(angle)
     bend = [(60.0 + radius * math.sin(t), radius * (1.0 - math.cos(t))) for t in np.linspace(0.0, angle, 7)[1:-1]]
     world = graph([road("a", [(0, 0), (60, 0)]), road("b", [end, behind])], [("a_0", "b_0")], {"a_0": bend})
-    found = plan(world, AB, "passenger", TRAILER, start_on(world.lanes["a_0"], 20.0))
+    found = plan(world, AB, TRAILER, start_on(world.lanes["a_0"], 20.0))
     line = Polyline(joined([world.lanes[lane].spine.points for lane in ("a_0", ":J0_0", "b_0")]))
     assert min(line.project(x, y)[1] for x, y in bumper(found, TRAILER).points[20:-40]) > -2.85

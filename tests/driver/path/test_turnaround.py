@@ -75,13 +75,13 @@ def test_a_bend_takes_no_moves():
 def test_who_finds_no_moves_turns_in_one_sweep():
     bus = sized(12.0, 2.5, 0.8)
     assert turn_in_moves(dead_end(), WAY, bus) is None
-    found = plan(dead_end(), Route(("a", "b"), None, None, ()), "passenger", bus, start_on(dead_end().lanes["a_0"], 20.0))
+    found = plan(dead_end(), Route(("a", "b"), None, None, ()), bus, start_on(dead_end().lanes["a_0"], 20.0))
     assert found.turnarounds == ()
 
 
 def test_the_plan_stops_before_the_moves_and_schedules_their_time():
     world = dead_end()
-    found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start_on(world.lanes["a_0"], 20.0))
+    found = plan(world, Route(("a", "b"), None, None, ()), CAR, start_on(world.lanes["a_0"], 20.0))
     (turn,) = found.turnarounds
     passage = found.passages[0]
     assert turn.start <= turn.line == passage.start < turn.end == passage.end
@@ -93,15 +93,15 @@ def test_the_plan_stops_before_the_moves_and_schedules_their_time():
 def test_a_car_past_the_beginning_of_the_moves_begins_where_it_can_stop_unless_it_stands_askew():
     world = dead_end()
     start = start_on(world.lanes["a_0"], 98.8, speed=1.5)
-    found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start)
+    found = plan(world, Route(("a", "b"), None, None, ()), CAR, start)
     (turn,) = found.turnarounds
     assert turn.start == pytest.approx(CAR.front_overhang + 1.5**2 / 9.0 + CAR.parameters.stop_line_margin_m, abs=0.15)
     askew = replace(start, pose=replace(start.pose, heading=0.3))
-    assert plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, askew).turnarounds == ()
+    assert plan(world, Route(("a", "b"), None, None, ()), CAR, askew).turnarounds == ()
 
 
 def test_a_car_inside_the_turn_is_planned_without_its_moves():
     world = dead_end()
     inside = world.connections["a_0->b_0"].parts[0]
-    found = plan(world, Route(("a", "b"), None, None, ()), "passenger", CAR, start_on(world.lanes[inside], 2.0))
+    found = plan(world, Route(("a", "b"), None, None, ()), CAR, start_on(world.lanes[inside], 2.0))
     assert found.turnarounds == ()

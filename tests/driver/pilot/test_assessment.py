@@ -22,6 +22,7 @@ from sumo_reactive.driver.pilot.assessment import (
     time_of,
     way_of,
 )
+from sumo_reactive.driver.pilot.passages import View
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.view.foresee import NOBODY
 
@@ -43,7 +44,7 @@ def forecast_of(*ways: tuple[str, float, float, float, float]) -> Forecast:
 def going_on(forecast=NOBODY, stop=None, trusted=(), target=None) -> Assessment:
     """The assessment of an ego at 10 m/s on a straight road, its bumper at x = 10 m."""
     snapshot = seen(on_curve(ROAD.curve, FRONT, 10.0), ROAD, FRONT - CAR.front_overhang, time=100.0)
-    return assess(snapshot, forecast, ROAD, stop, target, CAR, trusted)
+    return assess(View(snapshot, ROAD, CAR, (), ()), forecast, stop, target, trusted)
 
 
 def crosser(meeting_x: float, away: float, speed: float, name: str = "x") -> Forecast:
@@ -195,8 +196,8 @@ def test_beyond_the_end_of_a_motion_its_last_speed_counts(last, time):
 def simulated(speed: float, stop: float | None = None, duration: float = 8.0):
     """The motion of an ego with its bumper at x = 10 m on a straight road where 10 m/s are allowed."""
     snapshot = seen(on_curve(ROAD.curve, FRONT, speed), ROAD, FRONT - CAR.front_overhang)
-    place = None if stop is None else TimeConstraint(stop)
-    return simulate(snapshot, way_of(ROAD), place, NO_LEADERS, CAR, duration)
+    way = way_of(ROAD) if stop is None else way_of(ROAD, stop)
+    return simulate(snapshot, way, NO_LEADERS, CAR, duration)
 
 
 def test_who_starts_is_foreseen_to_speed_up_as_the_executor_does():

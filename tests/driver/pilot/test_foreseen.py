@@ -22,6 +22,7 @@ from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.pilot.behaviours.overtaking import OvertakingStep, carry_on
 from sumo_reactive.driver.pilot.manoeuvre import proof
+from sumo_reactive.driver.pilot.passages import View
 from sumo_reactive.driver.view.foresee import NOBODY
 
 ROAD = plan_along(straight(), 10.0)
@@ -45,7 +46,7 @@ def going_on(forecast=NOBODY, speed=10.0, stop=None, x=None) -> Assessment:
         gap, other = x
         obstacle = PathObstacle(car_at("x", 14.7 + gap, 0.0, 0.0, other), 10.0 + gap, 14.7 + gap, other, 0.0)
         snapshot = snapshot._replace(on_path=(obstacle,))
-    return assess(snapshot, forecast, ROAD, stop, None, CAR, ())
+    return assess(View(snapshot, ROAD, CAR, (), ()), forecast, stop, None, ())
 
 
 def fails(found: Assessment) -> bool:

@@ -57,7 +57,7 @@ def changing(left: float, speed: float = 15.0) -> Situation:
     ego = before("multi_lane_road", TO_THE_EXIT[1:], left, speed, lane=1)
     at = ego.graph.lanes["road_before_exit_1"].spine.length - left
     start = PlanStart(ego.ego.pose, speed, 0.0, 100.0, "road_before_exit_1", at, 0)
-    return replace(ego, plan=plan(ego.graph, Route(TO_THE_EXIT[1:]), "passenger", CAR, start, change_now=-1))
+    return replace(ego, plan=plan(ego.graph, Route(TO_THE_EXIT[1:]), CAR, start, change_now=-1))
 
 
 def beside(ego: Situation, left: float, ahead: float, speed: float = 15.0) -> RoadUser:

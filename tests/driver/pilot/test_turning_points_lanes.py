@@ -51,7 +51,7 @@ def begun(left: float, speed: float = 15.0) -> Situation:
     ego = ego_at("multi_lane_road", TO_EXIT, left, speed, 1)
     at = ego.graph.lanes["road_before_exit_1"].spine.length - left
     start = PlanStart(ego.ego.pose, speed, 0.0, 100.0, "road_before_exit_1", at, 0)
-    return replace(ego, plan=plan(ego.graph, Route(TO_EXIT), "passenger", CAR, start, change_now=-1))
+    return replace(ego, plan=plan(ego.graph, Route(TO_EXIT), CAR, start, change_now=-1))
 
 
 def calls_off(ego: Situation, ahead: float, speed: float) -> bool:

@@ -6,7 +6,7 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Traffic
-from sumo_reactive.driver.view.perceive import perceive
+from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import STATIC_REACH_M, static_near, static_within
 
 
@@ -38,7 +38,7 @@ def test_borders_are_seen_ahead_within_reach_and_beside_but_not_behind(ego):
 def test_a_junction_is_open_ground(ego):
     passage = ego.plan.passages[0]
     x, y, _ = ego.plan.curve.at(0.5 * (passage.start + passage.end))
-    points = static_within(ego.graph, ego.plan, "passenger", x, y, 100.0)
+    points = static_within(ego.graph, ego.plan, "passenger", (x, y), 100.0)
     south, north = (ego.plan.curve.at(s)[1] for s in (passage.start, passage.end))
     assert not ((points[:, 1] > south + 1.5) & (points[:, 1] < north - 1.5)).any()
 
@@ -51,14 +51,14 @@ def test_what_was_observed_counts_within_reach_on_all_sides(ego):
     x, y = ego.ego.pose.ahead(CAR.wheelbase)
     seen = np.array([(x, y - 4.0), (x + 5.0, y + 6.9), (x + 5.0, y + 7.1)])
     traffic = Traffic(100.0, (), {}, static=seen)
-    points = perceive(traffic, ego.ego, ego.plan, ego.graph, CAR, 0.0).static
+    points = perceive(traffic, ego.ego, ego.plan, ego.graph, CAR, locate(ego.ego, ego.plan, CAR, 0.0)).static
     assert [bool((points == p).all(axis=1).any()) for p in seen] == [True, True, False]
 
 
 def test_a_window_holds_all_points_inside_it(ego):
     x, y, _ = ego.plan.curve.at(20.0)
     far, inside = (x + 51.0, y), (x - 49.0, y + 49.0)
-    points = static_within(ego.graph, ego.plan, "passenger", x, y, 100.0, np.array([far, inside]))
+    points = static_within(ego.graph, ego.plan, "passenger", (x, y), 100.0, np.array([far, inside]))
     assert np.abs(points - (x, y)).max() <= 50.0
     assert (points == inside).all(axis=1).any()
     assert len(points) > 100

@@ -105,10 +105,11 @@ def judgements(
 
 def _motions(crossing: Crossing, view: View) -> Motions:
     """Simulate an ego that goes on through a passage, and one that stops behind it where it means to."""
-    way, stop = way_of(view.plan), TimeConstraint(crossing.stop)
-    on = simulate(view.snapshot, way, None, NO_LEADERS, view.limits, PASSAGE_FORESEEN_S)
-    stops = stop.s < math.inf
-    return Motions(on, simulate(view.snapshot, way, stop, NO_LEADERS, view.limits, PASSAGE_FORESEEN_S) if stops else on)
+    on = simulate(view.snapshot, way_of(view.plan), NO_LEADERS, view.limits, PASSAGE_FORESEEN_S)
+    if crossing.stop == math.inf:
+        return Motions(on, on)
+    stopping = simulate(view.snapshot, way_of(view.plan, crossing.stop), NO_LEADERS, view.limits, PASSAGE_FORESEEN_S)
+    return Motions(on, stopping)
 
 
 def opens_at(judged: Iterable[Judgement], place: float, crossing: Crossing, view: View) -> float:
