@@ -145,6 +145,8 @@ def main() -> int:
     parser.add_argument("--command", action="append", choices=list(COMMANDS))
     parser.add_argument("--keep", type=Path)
     asked = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # what starts this may ignore it, and a process inherits that
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     folder = asked.keep or Path(tempfile.mkdtemp(prefix="kill_"))
     commands = asked.command or list(COMMANDS)
     takes = {name: struck(name, folder / f"undisturbed_{name}", 0, None, False).took_s for name in commands}
