@@ -76,3 +76,17 @@ def test_who_is_alongside_is_not_cut_off_where_the_change_is_due_on_a_later_road
     beside = car("x", "ab bc cd", departLane=1, departPos=60 - behind, type="calm")
     run = driven(tmp_path, net, car("ego", "ab bc cd", departLane=0, departPos=60), beside)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("behind", [-16, -8, 0, 6])
+@pytest.mark.parametrize("length", [170, 200, 230])
+def test_two_changes_in_a_row_to_a_turn_force_nobody_on_either_lane(tmp_path, length, behind):
+    nodes = node("a", 0, 0) + node("b", length, 0) + node("d", length + 150, 0) + node("s", length, -100)
+    rules = link("ab bs", "00") + link("ab bd", "10") + link("ab bd", "21")
+    net = Net(nodes, edge("ab", numLanes=3) + edge("bd", numLanes=2) + edge("bs"), rules)
+    beside = "".join(car(f"m{i}", "ab bd", departLane=1, departPos=50 - 14 * i, type="calm") for i in range(-1, 4))
+    places = [place for i in range(-3, 3) if (place := 60 - behind - 25 * i) < length - 5]
+    turning = "".join(car(f"r{i}", "ab bs", departLane=0, departPos=at, type="calm") for i, at in enumerate(places))
+    turning += stream("q", "ab bs", [1 + 1.8 * i for i in range(10)], departLane=0, type="calm")
+    run = driven(tmp_path, net, car("ego", "ab bs", departLane=2, departPos=60), beside + turning)
+    assert run.complaints() == []

@@ -90,6 +90,11 @@ class LaneChange:
     start: float
     end: float
 
+    @property
+    def middle(self) -> float:
+        """Where the front comes onto the new lane, m of C."""
+        return 0.5 * (self.start + self.end)
+
 
 @dataclass(frozen=True, slots=True)
 class ParallelLane:
@@ -212,6 +217,20 @@ class NominalPlan:
     parallel_lanes: Mapping[int, tuple[ParallelLane, ...]] = field(default_factory=dict)
     turnarounds: tuple[Turnaround, ...] = ()
     stays_on: int = -1
+
+    def next_change(self, front: float) -> LaneChange | None:
+        """Return the lane change to seek a gap for with the front bumper at `front` (m of C): the next not ended, or,
+        once the front is on its new lane, the one that follows on the same road."""
+        ahead = [change for change in self.lane_changes if change.end > front]
+        if len(ahead) > 1 and ahead[0].middle <= front and ahead[1].from_lane == ahead[0].to_lane:
+            return ahead[1]
+        return ahead[0] if ahead else None
+
+    def may_begin(self, change: LaneChange, front: float) -> bool:
+        """Whether a lane change may begin with the front bumper at `front` (m of C): it is open, or its lane is reached."""
+        return change.opens <= front or any(
+            other.to_lane == change.from_lane and other.middle <= front < other.end for other in self.lane_changes
+        )
 
     def merging(self, front: float) -> ParallelLane | None:
         """Return the lane that the one at arc length `front` (m) has to yield to in the merge that it ends in; None: it ends

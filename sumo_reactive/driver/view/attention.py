@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
-from sumo_reactive.driver.nouns.plan import LaneChange, NominalPlan
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -118,19 +118,14 @@ def in_sight(plan: NominalPlan, front: float, speed: float) -> tuple[int, ...]:
     return tuple(found)
 
 
-def next_change(plan: NominalPlan, front: float) -> LaneChange | None:
-    """Return the next lane change that has not ended."""
-    return next((change for change in plan.lane_changes if change.end > front), None)
-
-
 def lane_sought(graph: RoadGraph, plan: NominalPlan, front: float) -> str:
     """Return the lane that the ego would enter if it made the next change here, if it may be made already; empty: none.
 
     Where C makes the change on a later road, that is the lane beside its own, which leads to the same place; inside a
     junction, that on the road behind. Without a change it is the lane that the own one merges into.
     """
-    change = next_change(plan, front) if plan.lane_changes else None
-    if change is None or change.opens > front:
+    change = plan.next_change(front) if plan.lane_changes else None
+    if change is None or not plan.may_begin(change, front):
         merge = plan.merging(front)
         return "" if merge is None else merge.to_lane
     ahead = (segment for segment in plan.segments if segment.end > front)
@@ -168,7 +163,7 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
         lanes.update(dict.fromkeys(_lanes_beyond(graph, graph.lanes[plan.segments[-1].lane_id].edge_id)))
     for i in in_sight(plan, front, speed):
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
-    change = next_change(plan, front)
+    change = plan.next_change(front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
         lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
     elif (merge := plan.merging(front)) is not None:

@@ -17,7 +17,7 @@ from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.passages import Crossing
-from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
+from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M, gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
@@ -30,8 +30,8 @@ def pending_change(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     """Return the next lane change if it is time to seek a gap for it."""
     if not plan.lane_changes:
         return None
-    change = next((c for c in plan.lane_changes if c.end > snapshot.front), None)
-    if change is None or change.start <= snapshot.s or change.opens > snapshot.front or _is_made(change, plan):
+    change = plan.next_change(snapshot.front)
+    if change is None or change.start <= snapshot.s or _is_made(change, plan) or not plan.may_begin(change, snapshot.front):
         return None
     return change if change.start - snapshot.front <= _horizon(snapshot) else None
 
@@ -194,7 +194,9 @@ def leaves_gap(neighbour: Neighbour, speed: float, limits: VehicleLimits, urgenc
     else:
         headway = p.follower_headway_s + urgency * (p.urgent_reaction_s - p.follower_headway_s)
         braking = p.easy_stop_deceleration + urgency * (p.hard_stop_deceleration - p.easy_stop_deceleration)
-        gap, needed = -neighbour.ahead - limits.length, max(least, gap_for_follower(other.speed, speed, headway, braking))
+        kept = FOLLOWER_STANDSTILL_GAP_M if other.speed > STANDING_SPEED else least
+        gap = -neighbour.ahead - limits.length
+        needed = max(least, kept, gap_for_follower(other.speed, speed, headway, braking))
     return gap > needed
 
 
