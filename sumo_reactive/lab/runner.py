@@ -32,7 +32,7 @@ MAX_MEMORY_MB = 4096.0
 RECYCLE_MEMORY_MB = 1536.0
 """MB; a process that holds more after a trial is replaced before the next."""
 
-__all__ = ["Ending", "Outcome", "Runner", "Task", "run_all"]
+__all__ = ["Ending", "Outcome", "Runner", "Task", "close_all", "run_all"]
 
 Answer = tuple[Ending, Any, float]
 """How a call ended; its value, or in one line why there is none; wall-clock time, s."""
@@ -137,17 +137,19 @@ class _Child:
         return self._trials >= MAX_TRIALS or self._memory_mb() > RECYCLE_MEMORY_MB
 
     def close(self) -> None:
-        """End the process, and remove what it left behind.
+        """End the process, and remove what it left behind, also if an interrupt comes meanwhile.
 
         It is first let go, so that it cleans up by itself even if this process is killed meanwhile.
         """
         self._orders.close()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(_FAREWELL_S)
-        self._process.kill()
-        self._process.wait()
-        if self._own_scratch:
-            remove(self._own_scratch)
+        try:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(_FAREWELL_S)
+        finally:
+            self._process.kill()
+            self._process.wait()
+            if self._own_scratch:
+                remove(self._own_scratch)
 
     def _memory_mb(self) -> float:
         try:
@@ -198,6 +200,12 @@ def run_all(
             yield future.result()
     finally:
         threads.shutdown(wait=False, cancel_futures=True)
-        for runner in runners:
-            runner.close()
+        close_all(runners)
         threads.shutdown()
+
+
+def close_all(runners: Sequence[Runner]) -> None:
+    """Close each of them, also if an interrupt comes meanwhile."""
+    with contextlib.ExitStack() as closing:
+        for runner in reversed(runners):
+            closing.callback(runner.close)

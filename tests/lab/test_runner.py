@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from sumo_reactive.driver.parameters import Parameters
-from sumo_reactive.lab.runner import Runner, run_all
+from sumo_reactive.lab.runner import Runner, close_all, run_all
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Driver, Ending, Task
 from sumo_reactive.lab.trial_process import scratch
@@ -108,3 +108,25 @@ def test_what_runs_in_a_common_folder_leaves_it_to_who_gave_it(scenario, tmp_pat
         outcomes = list(run_all([Task(scenario)], 1, LIMIT_S, scratch=folder))
         assert outcomes[0].ending is Ending.DONE
     assert not folder.exists()
+
+
+def test_an_interrupt_while_runners_are_closed_leaves_neither_a_process_nor_a_folder(scenario, monkeypatch):
+    runners = [Runner(), Runner()]
+    for one in runners:
+        assert one.run(Task(scenario, Driver.SUMO), LIMIT_S).ending is Ending.DONE
+    child = runners[0]._child
+    processes = {one._child._process.pid for one in runners}
+    folders, wait, begun = [one._child._own_scratch for one in runners], child._process.wait, []
+
+    def interrupted(*patience):
+        if patience and not begun:
+            begun.append(1)
+            raise KeyboardInterrupt
+        return wait(*patience)
+
+    os.kill(child._process.pid, signal.SIGSTOP)  # so that it cannot clean up by itself
+    monkeypatch.setattr(child._process, "wait", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        close_all(runners)
+    assert begun and not any(folder.exists() for folder in folders)
+    assert not processes & {one.pid for one in children()}

@@ -14,7 +14,7 @@ from sumo_reactive.errors import ClusterError, ScenarioError
 from sumo_reactive.lab.batch.experiment import Experiment
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import SCOUT, Departure, Trial, key_of_scouting, release
-from sumo_reactive.lab.runner import Runner
+from sumo_reactive.lab.runner import Runner, close_all
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.task import Ending, Outcome, Task
 
@@ -65,8 +65,7 @@ def stop_batch(batch: str) -> None:
     with _lock:
         _stopped.add(batch)
         runners = [*_idle.pop(batch, []), *_busy.pop(batch, [])]
-    for runner in runners:
-        runner.close()
+    close_all(runners)
 
 
 def _run(order: Order) -> Outcome:
