@@ -2,16 +2,17 @@
 """Drive on roads that nobody has seen: networks and traffic drawn at random, each trip by SUMO's own driver and by this one.
 
     python tools/random_roads.py SEED N [--first INDEX] [--egos N] [--kind TEXT] [--jobs N] [--json FILE] [--timeout S]
-                                 [--parameter NAME=VALUE …]
-    python tools/random_roads.py SEED N --only INDEX [--ego ID] [--keep DIR]
+                                 [--together] [--parameter NAME=VALUE …]
+    python tools/random_roads.py SEED N --only INDEX [--ego ID] [--together] [--keep DIR]
 
 N networks with their traffic, each fully determined by SEED and its INDEX; up to `--egos` trips in each, drawn among those
 that SUMO's own driver completes. Prints a table by kind, "this driver / SUMO's own", then the trips where this driver is
 worse (contact, red light, failure, no arrival, more hard brakings caused, more than 1.5 times as long), smallest network
-first, each with the command that replays it. `--keep` writes the files of one network and drives nothing: it prints the
-`sumo-reactive run` command of each ego. Both drivers are judged alike: contacts, red lights and time off the road by a
-witness that looks at SUMO alone, the rest by the lab's judges. Exit codes: 0, 1 after a contact, a red light run or a trip
-that failed, 2 for wrong input, 130 after an interrupt.
+first, each with the command that replays it. With `--together` the egos of a network drive in one simulation, each among the
+others, which takes a fraction of the time; a contact between two of them counts for both. `--keep` writes the files of one
+network and drives nothing: it prints the `sumo-reactive run` command of each ego, or of all together. Both drivers are
+judged alike: contacts, red lights and time off the road by a witness that looks at SUMO alone, the rest by the lab's judges.
+Exit codes: 0, 1 after a contact, a red light run or a trip that failed, 2 for wrong input, 130 after an interrupt.
 """
 
 from __future__ import annotations
@@ -59,14 +60,14 @@ def main() -> None:
         raise SystemExit(_keep(asked))
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # the temporary folders go in any case
     try:
-        found = list(driven(_orders(asked), asked.jobs, asked.timeout))
+        found = list(driven(_orders(asked), asked.jobs, asked.timeout, asked.together))
     except KeyboardInterrupt:
         raise SystemExit(INTERRUPTED) from None
     rows = [row for one in found for row in one.rows]
     if asked.json:
         data = {"seed": asked.seed, "trips": [as_data(row) for row in rows], "not driven": _not_driven(found)}
         asked.json.write_text(json.dumps(data, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    _show(asked.seed, found, rows, asked.parameters)
+    _show(asked.seed, found, rows, asked.parameters, asked.egos if asked.together else 0)
     raise SystemExit(int(any(row.is_harmful for row in rows)))
 
 
@@ -79,6 +80,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--kind", default="", metavar="TEXT", help="networks whose kind holds this text")
     parser.add_argument("--only", type=int, metavar="INDEX", help="only the network with this number")
     parser.add_argument("--ego", default="", metavar="ID", help="only this ego; needs --only")
+    parser.add_argument("--together", action="store_true", help="the egos of a network in one simulation")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="write the scenario there, and drive nothing; needs --only")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="networks at a time; default 1")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all trips there, too")
@@ -124,30 +126,33 @@ def _keep(asked: argparse.Namespace) -> int:
     except ReactiveError as error:
         print(f"random_roads: {error}", file=sys.stderr)
         return error.exit_code
-    for ego in ready.trips:
-        print(_run_command(ready, ego, order.parameters))
+    for egos in [(*ready.trips,)] if asked.together and ready.trips else [(ego,) for ego in ready.trips]:
+        print(_run_command(ready, egos, order.parameters))
     return 0
 
 
-def _run_command(ready: Prepared, ego: str, parameters: Parameters) -> str:
-    command = replay_command(Task(scenario_of(ready.place, ego, parameters)))
-    return f"{command} --out {shlex.quote(str(ready.place.config.parent / ego))} --overwrite"
+def _run_command(ready: Prepared, egos: Sequence[str], parameters: Parameters) -> str:
+    """Return the command that drives one ego, or several together."""
+    one, more = (egos[0], ()) if len(egos) == 1 else ("", [word for ego in egos for word in ("--ego", ego)])
+    command = replay_command(Task(scenario_of(ready.place, one, parameters)))
+    folder = ready.place.config.parent / (one or "together")
+    return shlex.join([*shlex.split(command), *more, "--out", str(folder), "--overwrite"])
 
 
-def driven(orders: Sequence[Order], jobs: int, timeout: float) -> Iterator[Found]:
-    """Drive so many networks at a time, each trip in a process of its own; yield what came of them in their order."""
+def driven(orders: Sequence[Order], jobs: int, timeout: float, together: bool = False) -> Iterator[Found]:
+    """Drive so many networks at a time, each trip or all `together` in a process; yield what came of them in their order."""
 
     def one(order: Order, runner: Runner) -> Found:
         folder = Path(tempfile.mkdtemp(prefix="random_roads_"))
         try:
-            return _driven_network(order._replace(folder=folder), runner, timeout)
+            return _driven_network(order._replace(folder=folder), runner, timeout, together)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
     yield from in_processes(orders, one, jobs)
 
 
-def _driven_network(order: Order, runner: Runner, timeout: float) -> Found:
+def _driven_network(order: Order, runner: Runner, timeout: float, together: bool = False) -> Found:
     """Drive the trips of a network, and tell of each on stderr."""
     kind = kind_at(order.index)
     ending, ready, _ = runner.call("roads.trips:prepared", order, timeout)
@@ -155,15 +160,26 @@ def _driven_network(order: Order, runner: Runner, timeout: float) -> Found:
         reason = "SUMO's own driver completes no trip" if ending is Ending.DONE else str(ready)
         print(f"[{order.index} {kind}] {reason}", file=sys.stderr, flush=True)
         return Found(order.index, (), reason)
-    rows = []
-    for ego, sumo in ready.trips.items():
-        trip = Trip(ready.place, ego, ready.bridges, order.parameters)
-        ending, value, wall_s = runner.call("roads.trips:driven", trip, timeout)
-        ours = value if ending is Ending.DONE else _failed(ending, str(value))
-        rows.append(Row(order.index, kind, ready.place.edges, ego, ours, sumo))
-        told = "; ".join(faults(rows[-1])) or "well"
-        print(f"[{order.index} {kind}] {ego}: {told} ({wall_s:.0f} s)", file=sys.stderr, flush=True)
+    trips, rows = [Trip(ready.place, ego, ready.bridges, order.parameters) for ego in ready.trips], []
+    for some in [trips] if together else [[trip] for trip in trips]:
+        for ego, ours, wall_s in _driven_trips(some, runner, timeout):
+            rows.append(Row(order.index, kind, ready.place.edges, ego, ours, ready.trips[ego]))
+            told = "; ".join(faults(rows[-1])) or "well"
+            print(f"[{order.index} {kind}] {ego}: {told} ({wall_s:.0f} s)", file=sys.stderr, flush=True)
     return Found(order.index, (*rows,))
+
+
+def _driven_trips(trips: Sequence[Trip], runner: Runner, timeout: float) -> Iterator[tuple[str, Run, float]]:
+    """Drive one trip, or several together, each alone where that fails; yield each ego, what came of it, and its share of
+    the s that it took."""
+    if len(trips) > 1:
+        ending, runs, wall_s = runner.call("roads.trips:driven_together", trips, timeout * len(trips))
+        if ending is Ending.DONE:
+            yield from ((ego, run, wall_s / len(runs)) for ego, run in runs.items())
+            return
+    for trip in trips:
+        ending, value, wall_s = runner.call("roads.trips:driven", trip, timeout)
+        yield trip.ego, value if ending is Ending.DONE else _failed(ending, str(value)), wall_s
 
 
 def _failed(ending: Ending, reason: str) -> Run:
@@ -176,8 +192,8 @@ def _not_driven(found: Sequence[Found]) -> list[dict[str, Any]]:
     return [{"index": one.number, "kind": kind_at(one.number), "reason": one.reason} for one in found if one.reason]
 
 
-def _show(seed: int, found: Sequence[Found], rows: Sequence[Row], parameters: Parameters = USUAL) -> None:
-    """Print the table, what was not driven, and the trips where this driver is worse."""
+def _show(seed: int, found: Sequence[Found], rows: Sequence[Row], parameters: Parameters = USUAL, together: int = 0) -> None:
+    """Print the table, what was not driven, and the trips where this driver is worse; so many egos drove `together`."""
     print(table(rows))
     missed = _not_driven(found)
     print(f"\n{len(found)} networks, {len(missed)} without a trip; {len(rows)} trips; this driver / SUMO's own")
@@ -187,17 +203,18 @@ def _show(seed: int, found: Sequence[Found], rows: Sequence[Row], parameters: Pa
     print(f"\n{len(bad)} trips where this driver is worse, smallest network first:")
     for row in bad:
         print(f"{row.kind} ({row.edges} edges), {row.ego}: {'; '.join(faults(row))}")
-        print(f"   {replay(seed, row, parameters)}")
+        print(f"   {replay(seed, row, parameters, together)}")
     for row in rows:
         if row.disagrees:
             print(f"the program's own judges disagree with the witness: {row.kind}, {row.ego}: {row.ours.told}")
-            print(f"   {replay(seed, row, parameters)}")
+            print(f"   {replay(seed, row, parameters, together)}")
 
 
-def replay(seed: int, row: Row, parameters: Parameters) -> str:
-    """Return the command that writes the scenario of a trip and tells how it is driven."""
+def replay(seed: int, row: Row, parameters: Parameters, together: int = 0) -> str:
+    """Return the command that writes the scenario of a trip and tells how it is driven, alone or among so many egos."""
     where = f"runs/random_{seed}_{row.index}"
-    words = ["python", "tools/random_roads.py", str(seed), str(row.index + 1), "--only", str(row.index), "--ego", row.ego]
+    words = ["python", "tools/random_roads.py", str(seed), str(row.index + 1), "--only", str(row.index)]
+    words += ["--together", "--egos", str(together)] if together else ["--ego", row.ego]
     words += (word for name, value in parameters.varied.items() for word in ("--parameter", f"{name}={value!r}"))
     return shlex.join([*words, "--keep", where])
 

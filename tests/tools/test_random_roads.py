@@ -286,6 +286,33 @@ def test_a_trip_is_driven_told_and_replayed_by_its_command(tmp_path):
     assert summary["duration_s"] == pytest.approx(trip["ours"]["duration_s"], abs=1e-3)
 
 
+def test_the_egos_of_a_network_drive_together_and_are_replayed_by_their_command(tmp_path):
+    file, kept = tmp_path / "trips.json", tmp_path / "kept"
+    first = run_tool("random_roads", *asked("--together", "--json", file))
+    assert first.returncode == 0, first.stdout + first.stderr
+    trips = json.loads(file.read_text(encoding="utf-8"))["trips"]
+    answer = run_tool("random_roads", *asked("--together", "--keep", kept))
+    _, *command = shlex.split(answer.stdout)
+    again = sumo_reactive(*command)
+    assert again.returncode == 0, again.stderr
+    fleet = json.loads((kept / "together" / "fleet.json").read_text(encoding="utf-8"))
+    told = {one["ego"]: one["duration_s"] for one in fleet["egos"]}
+    assert told == pytest.approx({trip["ego"]: trip["ours"]["duration_s"] for trip in trips}, abs=1e-3)
+    assert len(told) == 2
+
+
+def test_egos_that_cannot_drive_together_drive_alone(tmp_path):
+    runner = FakeRunner([
+        (Ending.DONE, READY, 1.0), (Ending.FAILED, "ego 'car_1' cannot be driven", 1.0), (Ending.DONE, HIT, 1.0),
+        (Ending.DONE, CLEAN, 1.0),
+    ])  # fmt: skip
+    found = tool("random_roads")._driven_network(Order(1, 0, tmp_path, 2), runner, 9.0, together=True)
+    assert [one.ours for one in found.rows] == [HIT, CLEAN]
+    assert runner.asked == ["roads.trips:prepared", "roads.trips:driven_together", *["roads.trips:driven"] * 2]
+    replay = tool("random_roads").replay(1, found.rows[0], Order(1, 0, tmp_path, 2).parameters, 2)
+    assert " --only 0 --together --egos 2 --keep " in replay
+
+
 def test_a_driver_that_yields_to_nothing_is_listed_as_worse():
     answer = run_tool("random_roads", *asked("--parameter", f"without={Mechanism.GRAPH:d}"))
     assert answer.returncode == 1

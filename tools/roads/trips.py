@@ -21,7 +21,7 @@ from sumo_reactive.lab.egos import EgoRule
 from sumo_reactive.lab.metrics.encounters import HARD_BRAKING_M_S2
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.simulation import Simulation, run_trial, started
+from sumo_reactive.lab.simulation import Simulation, run_fleet, run_trial, started
 from sumo_reactive.lab.sumo_driver import WatchedTrip
 
 WARM_UP_S = 15.0
@@ -177,6 +177,19 @@ def driven(trip: Trip) -> Run:
         seen = witness.seen
         return Run(exit_code=error.exit_code, error=" ".join(str(error).split()), contacts=seen.contacts, red=seen.red)
     return _run(result, witness.seen, brisk_of(trip.place.config.parent))
+
+
+def driven_together(trips: Sequence[Trip]) -> dict[str, Run]:
+    """Let this driver take several trips of a scenario in one simulation, each ego among the others; raise ReactiveError if
+    one of them is refused, and for all together if SUMO fails."""
+    first, witnesses = trips[0], {trip.ego: Witness(trip.ego, trip.bridges) for trip in trips}
+
+    def look(scene: Scene) -> None:
+        witnesses[scene.ego].look()
+
+    fleet = run_fleet(scenario_of(first.place, "", first.parameters), EgoRule(ids=(*witnesses,)), observer=look)
+    brisk = brisk_of(first.place.config.parent)
+    return {one.ego: _run(one, witnesses[one.ego].seen, brisk) for one in fleet.results}
 
 
 def brisk_of(folder: Path) -> frozenset[str]:
