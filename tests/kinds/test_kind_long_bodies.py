@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from kinds import Net, car, cross, driven, edge, node, sort, stream
+from kinds import Net, car, cross, driven, edge, link, node, program, sort, stream
 
 LONG = sort("long", vClass="bus", length=12, width=2.5) + sort("trailer", vClass="trailer", length=16, width=2.5)
 
@@ -73,3 +73,16 @@ def test_a_car_keeps_clear_of_a_long_tail_that_reaches_out_of_its_bend(tmp_path,
     net = cross(kind, options=("--default.junctions.radius", "1.5"))
     run = driven(tmp_path, net, stream("x", "nc cw", [0, 4, 8], type=body), car("ego", way, 3), extra=LONG)
     assert run.complaints(slower=2.0) == []
+
+
+@pytest.mark.parametrize(("late", "radius"), [(0.0, 1.5), (0.0, 4.0), (3.0, 1.5)])
+def test_a_bus_that_cuts_the_corner_waits_for_nobody_inside_who_stands_at_his_red_light(tmp_path, late, radius):
+    """Its body comes over the lane beside its own behind the junction, to which his way leads."""
+    nodes = node("w", -150, 0) + node("c", 0, 0, type="traffic_light", radius=radius) + node("s", 0, -90)
+    roads = "".join(edge(ends, numLanes=2) for ends in ("sc", "wc", "cd", "de"))
+    ways = "".join(link(ends, lanes) for ends in ("sc cd", "wc cd", "cd de") for lanes in ("00", "11"))
+    net = Net(nodes + node("d", 40, 0) + node("e", 140, 0), roads, ways)
+    light, other = program("c", (40, "GGrr"), (40, "rrGG")), car("x", "wc cd de", late, departLane=0)
+    run = driven(tmp_path, net, LONG, car("ego", "sc cd de", departLane=1, type="long"), other, extra=light, until=90)
+    assert run.complaints(slower=1.2) == []
+    assert run.ego.slowest(":c") > 1.0

@@ -139,13 +139,20 @@ def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> b
 def _before_off_tracking(
     snapshot: Snapshot, place: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
 ) -> LaneChanging:
-    """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop."""
+    """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop.
+
+    Who has not come to his line yet is judged at the regions of a junction that the ego is in, and not waited for inside.
+    """
     left, speed = place.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
         return LaneChanging()
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.off_tracking_patience_s, 1.0)
+    inside = any(one.start < snapshot.front and place.start < one.end + limits.length for one in plan.passages)
+    judged = {foe.user.id for foe in snapshot.foes if inside and foe.to_stop_line >= 0.0}
     for neighbour in snapshot.neighbours:
+        if neighbour.user.id in judged:
+            continue
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
             return LaneChanging(stop=stop_at(place.start, Reason.NO_GAP, region=place.lane_id, cause=neighbour.user.id))
