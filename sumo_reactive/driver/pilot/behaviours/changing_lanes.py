@@ -141,7 +141,8 @@ def _before_off_tracking(
 ) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop.
 
-    Who has not come to his line yet is judged at the regions of a junction that the ego is in, and not waited for inside.
+    An ego inside a junction waits there for nobody who has not come in yet: the regions say who of them goes first, and
+    those behind on the lanes beside its own see its body.
     """
     left, speed = place.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
@@ -149,9 +150,9 @@ def _before_off_tracking(
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.off_tracking_patience_s, 1.0)
     inside = any(one.start < snapshot.front and place.start < one.end + limits.length for one in plan.passages)
-    judged = {foe.user.id for foe in snapshot.foes if inside and foe.to_stop_line >= 0.0}
     for neighbour in snapshot.neighbours:
-        if neighbour.user.id in judged:
+        lane_id = neighbour.user.lane_id
+        if inside and neighbour.ahead < 0.0 and lane_id != place.lane_id and not lane_id.startswith(":"):
             continue
         ahead = neighbour.ahead + neighbour.user.speed * time - left
         if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
