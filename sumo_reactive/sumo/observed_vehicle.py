@@ -15,7 +15,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.sensor import StopLines, read_signals
 from sumo_reactive.sumo.stand_ins import is_stand_in
-from sumo_reactive.sumo.vehicle_type import heading_of, limits_of
+from sumo_reactive.sumo.vehicle_type import heading_of, limits_of, size_of_body
 
 TOUCHING_M = 40.0
 """Bodies whose fronts are farther apart do not touch: two long ones, rear to rear."""
@@ -83,7 +83,8 @@ class ObservedVehicle:
                 continue
             (x, y), lane_id = person.getPosition(name), person.getLaneID(name)
             if math.hypot(x - own.x, y - own.y) < self._reach:
-                body = Body(person.getLength(name), person.getWidth(name), math.nan, math.nan, is_person=True)
+                size = size_of_body(name, person.getLength(name), person.getWidth(name))
+                body = Body(*size, math.nan, math.nan, is_person=True)
                 heading, position = heading_of(person.getAngle(name)), person.getLanePosition(name)
                 yield RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
 
@@ -135,5 +136,5 @@ def _seen_from(vehicle_id: str) -> dict[str, Mapping[int, Any]]:
 def _user(name: str, seen: Mapping[int, Any], route: tuple[str, ...] = ()) -> RoadUser:
     """Return a vehicle as subscribed."""
     (x, y, _), angle, speed, lane_id, position, length, width, gain = (seen[variable] for variable in _SEEN)
-    body = Body(length, width, emergency_deceleration=math.nan, max_speed=math.nan)
+    body = Body(*size_of_body(name, length, width), emergency_deceleration=math.nan, max_speed=math.nan)
     return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route, acceleration=gain)

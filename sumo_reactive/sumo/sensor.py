@@ -15,7 +15,7 @@ from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.static_obstacles import StaticObstacles
-from sumo_reactive.sumo.vehicle_type import heading_of
+from sumo_reactive.sumo.vehicle_type import heading_of, size_of_body
 
 FIXED_PROGRAM = 0
 """SUMO's type of a light whose phases last as long as the program says."""
@@ -227,7 +227,7 @@ class Sensor:
         person = libsumo.person
         body = self._walkers.get(name)
         if body is None:
-            length, width = person.getLength(name), person.getWidth(name)
+            length, width = size_of_body(name, person.getLength(name), person.getWidth(name))
             body = Body(length, width, PERSON_DECELERATION, person.getMaxSpeed(name), is_person=True)
             self._walkers[name] = body
         x, y = person.getPosition(name)
@@ -254,6 +254,6 @@ def _fixed_phases(light_id: str, program_id: str) -> tuple[tuple[float, str], ..
 def _body(name: str) -> Body:
     vehicle = libsumo.vehicle
     braking = max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name))
-    length, bends = vehicle.getLength(name), vehicle.getVehicleClass(name) == "trailer"
-    first_part = min(length, TRACTOR_M) if bends else 0.0
-    return Body(length, vehicle.getWidth(name), braking, vehicle.getMaxSpeed(name), first_part=first_part)
+    length, width = size_of_body(name, vehicle.getLength(name), vehicle.getWidth(name))
+    first_part = min(length, TRACTOR_M) if vehicle.getVehicleClass(name) == "trailer" else 0.0
+    return Body(length, width, braking, vehicle.getMaxSpeed(name), first_part=first_part)

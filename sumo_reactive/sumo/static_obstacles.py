@@ -16,7 +16,7 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Body, RoadUser
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
-from sumo_reactive.sumo.vehicle_type import heading_of
+from sumo_reactive.sumo.vehicle_type import heading_of, size_of_body
 
 LANES_REFRESH_M = 5.0
 """The lanes in sight are chosen anew each time the ego has come this far."""
@@ -81,7 +81,7 @@ class StaticObstacles:
             if not vehicle.getLaneID(name):
                 x, y = vehicle.getPosition(name)
                 heading = heading_of(vehicle.getAngle(name))
-                box = Footprint(x, y, heading, vehicle.getLength(name), vehicle.getWidth(name))
+                box = Footprint(x, y, heading, *size_of_body(name, vehicle.getLength(name), vehicle.getWidth(name)))
                 self.parked[name] = outline(shapely.Polygon(box.corners()))
         return len(self.parked) > before
 

@@ -41,6 +41,17 @@ KEEP_ROUTE_EXACT = 3
 FREE_EXACT = 2
 """moveToXY: any lane, the exact position; the route may be replaced."""
 
+LONGEST_M, WIDEST_M = 1000.0, 100.0
+"""What no road user exceeds: the longest trains, the widest ships."""
+
+
+def size_of_body(name: str, length: float, width: float) -> tuple[float, float]:
+    """Return length and width of a road user, m; raise ScenarioError for a size that none has."""
+    if 0.0 <= length <= LONGEST_M and 0.0 <= width <= WIDEST_M:
+        return length, width
+    told = f"{length:g} m long and {width:g} m wide, not up to {LONGEST_M:g} m and {WIDEST_M:g} m"
+    raise ScenarioError(f"road user '{name}' is {told}")
+
 
 def heading_of(angle: float) -> float:
     """Turn SUMO's navigational degrees (clockwise from north) into a heading, rad from the x axis."""

@@ -1,6 +1,7 @@
 """Judges: each figure against a case computed by hand."""
 
 import math
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -271,3 +272,18 @@ def test_on_a_new_route_the_junction_that_it_does_not_pass_is_forgotten(jury):
         world = before if k < 5 else after
         jury.see(Scene(record(0.1 * k, x=2.0, speed=1.0, lane_id=":j_0_0" if k < 5 else "new_0"), (one,), world=world))
     assert violations_of(jury) == []
+
+
+def test_long_bodies_are_laid_on_the_grid_a_few_at_a_time(jury):
+    """A train of 200 m crosses the ego's way behind it; all its places at once take 275 MB, a longer one's gigabytes."""
+
+    def train(t):
+        return user(x=20.0, y=10.0 * t - 65.0, heading=math.pi / 2.0, speed=10.0, size=(200.0, 3.0))
+
+    drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), lambda t: [train(t)] if t > 2.95 else [], 100)
+    tracemalloc.start()
+    try:
+        assert jury.figures()["min_post_encroachment_s"] == pytest.approx(3.9)
+        assert tracemalloc.get_traced_memory()[1] < 1e8
+    finally:
+        tracemalloc.stop()

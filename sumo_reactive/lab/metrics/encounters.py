@@ -131,8 +131,8 @@ MOVING_SPEED = 0.1
 FAR_CELL_M = 10.0
 """Side of the coarse cells that sort out who never came near the ego's way."""
 
-CHUNK = 500
-"""Boxes laid on the grid at a time: bounds the memory."""
+CHUNK = 500_000
+"""Cells looked at at a time: bounds the memory."""
 
 
 class PostEncroachment:
@@ -217,7 +217,8 @@ def _covered(boxes: Floats) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
     sizes, of_size = np.unique(boxes[:, 4:6], axis=0, return_inverse=True)
     for k, (length, width) in enumerate(sizes):
         of_this = np.flatnonzero(of_size.ravel() == k)
-        for index in np.array_split(of_this, 1 + len(of_this) // CHUNK):
+        at_a_time = max(CHUNK // (2 * _reach(length, width) + 1) ** 2, 1)
+        for index in np.array_split(of_this, 1 + len(of_this) // at_a_time):
             key, covered = _cells(boxes[index], float(length), float(width))
             keys.append(key[covered])
             rows.append(np.broadcast_to(index[:, None], covered.shape)[covered])
@@ -228,9 +229,14 @@ def _cells(boxes: Floats, length: float, width: float) -> tuple[NDArray[np.int64
     """Return the cells around each of `boxes` of one size, shape (n, m), and which of them it covers."""
     c, s = np.cos(boxes[:, 3])[:, None], np.sin(boxes[:, 3])[:, None]
     mx, my = boxes[:, 1:2] - 0.5 * length * c, boxes[:, 2:3] - 0.5 * length * s
-    half = math.ceil(0.5 * math.hypot(length, width) / CELL_M)
+    half = _reach(length, width)
     i, j = (grid.ravel() for grid in np.mgrid[-half : half + 1, -half : half + 1])
     x = (np.floor(mx / CELL_M) + i + 0.5) * CELL_M
     y = (np.floor(my / CELL_M) + j + 0.5) * CELL_M
     ahead, aside = (x - mx) * c + (y - my) * s, (y - my) * c - (x - mx) * s
     return _key(x, y, CELL_M), (np.abs(ahead) < 0.5 * length) & (np.abs(aside) < 0.5 * width)
+
+
+def _reach(length: float, width: float) -> int:
+    """Return how many cells the middle of a box may be from those that it covers."""
+    return math.ceil(0.5 * math.hypot(length, width) / CELL_M)
