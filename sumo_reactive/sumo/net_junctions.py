@@ -85,6 +85,7 @@ def _connection(raw: RawNet, attributes: Attributes, junction_id: str, index: in
         is_crossing=is_crossing,
         width=min(lane.width for lane in bounds),
         speed_limit=min(lane.speed_limit for lane in bounds),
+        approach_limit=from_lane.speed_limit,
         heights=_heights(raw, lanes, path),
     )
 

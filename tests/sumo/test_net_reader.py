@@ -68,7 +68,7 @@ def test_a_turn_that_may_wait_inside_has_two_parts_and_a_waiting_place_between_t
     assert left.parts == (":j_1_0", ":j_3_0")
     assert left.wait_at == pytest.approx(5.0)
     assert left.path.length == pytest.approx(10.6)
-    assert (left.width, left.speed_limit) == (3.0, 7.0)
+    assert (left.width, left.speed_limit, left.approach_limit) == (3.0, 7.0, 13.9)
     assert (left.turn, left.control, left.keep_clear) == (Turn.LEFT, Control.MINOR, False)
 
 

@@ -53,8 +53,8 @@ class Connection:
     internal lane's, m. `heights` (n,) are the elevations of the path's points, m; None in a flat network. `tail` (k, 2)
     is where the lane behind goes on inside the junction's outline or over the approach of another road, None if it does
     not. `hold_back` (m) is how far before the stop line a body must stop so as not to stand in others' way, `head` (k, 2)
-    that part of the approach lane, None if there is none. A pedestrian crossing (`is_crossing`) joins two walking areas
-    and is used both ways.
+    that part of the approach lane, None if there is none. `speed_limit` is the least on the way, `approach_limit` that of
+    the lane before it, m/s. A pedestrian crossing (`is_crossing`) joins two walking areas and is used both ways.
     """
 
     id: str
@@ -72,6 +72,7 @@ class Connection:
     is_crossing: bool = False
     width: float = 3.2
     speed_limit: float = 13.89
+    approach_limit: float = 13.89
     heights: Floats | None = None
     tail: Points | None = None
     hold_back: float = 0.0

@@ -66,6 +66,24 @@ def test_a_car_may_come_sooner_than_at_its_speed_and_leave_no_sooner():
     assert threat(one, USUAL, expects_ego=True).arrival == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize(("speed", "to_line", "arrival"), [(0.0, 60.0, 10.453), (0.0, 100.0, 13.787), (4.0, 30.0, 5.454)])
+def test_a_car_far_from_a_narrow_turn_may_come_as_fast_as_the_road_before_it_allows(speed, to_line, arrival):
+    """It speeds up by 1.5 m/s² to 11.9, 12 and 9.3 m/s, brakes by 4.5 to the 5 m/s of its turn, and goes on 5 m."""
+    one = foe(speed, to_line + 5.0)
+    one = one._replace(conflict=replace_other(one.conflict, speed_limit=5.0, approach_limit=12.0))
+    assert threat(one, USUAL).arrival == pytest.approx(arrival, abs=0.001)
+
+
+def test_a_car_nearer_than_it_takes_to_brake_comes_as_before():
+    near, turn = foe(11.0, 12.0), {"speed_limit": 5.0, "approach_limit": 14.0}
+    assert threat(near._replace(conflict=replace_other(near.conflict, **turn)), USUAL).arrival == pytest.approx(12.0 / 11.0)
+
+
+def replace_other(conflict: Conflict, **limits: float) -> Conflict:
+    """Return a conflict with the other's way under other limits."""
+    return conflict._replace(other=replace(conflict.other, **limits))
+
+
 def test_a_car_that_is_seen_to_gain_speed_leaves_as_soon_as_that_takes_it():
     other = threat(foe(4.0, 6.0), USUAL, gaining=1.0)
     assert (other.clearance, other.merged) == pytest.approx(tuple(travel_time(way, 4.0, 1.0, 12.0) for way in (14.0, 11.0)))

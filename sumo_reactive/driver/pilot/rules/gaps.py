@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
@@ -75,11 +76,29 @@ def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaini
         clearance, merged = (travel_time(way, slow, gaining, fast) for way in (foe.to_clear, to_merged))
     else:
         clearance, merged = foe.to_clear / slow, to_merged / slow
+    arrival = travel_time(foe.to_region, user.speed, parameters.foe_acceleration, max(top, STANDING_SPEED))
     return Threat(
-        arrival=travel_time(foe.to_region, user.speed, parameters.foe_acceleration, max(top, STANDING_SPEED)),
+        arrival=arrival if expects_ego else min(arrival, _over_the_road(foe, parameters)),
         clearance=clearance,
         merged=merged,
     )
+
+
+def _over_the_road(foe: Foe, parameters: Parameters) -> float:
+    """When a foe may come that speeds up as far as the road before its line allows, and brakes for its turn there, s."""
+    way, speed, turn = foe.to_stop_line, foe.user.speed, foe.conflict.other.speed_limit
+    top, gains = min(foe.conflict.other.approach_limit, foe.user.body.max_speed), parameters.foe_acceleration
+    if way <= 0.0 or turn >= top or speed >= top:
+        return math.inf
+    brakes = FEARED_DECELERATION
+    highest = (2.0 * gains * brakes * way + brakes * speed * speed + gains * turn * turn) / (gains + brakes)
+    peak = min(math.sqrt(highest), top)
+    if peak <= max(speed, turn):
+        return math.inf  # nearer than it takes to brake, or to be faster than in the turn
+    changing = (peak * peak - speed * speed) / (2.0 * gains) + (peak * peak - turn * turn) / (2.0 * brakes)
+    at_line = (peak - speed) / gains + (peak - turn) / brakes + (way - changing) / peak
+    behind = foe.to_region - way
+    return at_line + behind / turn if behind >= 0.0 else travel_time(foe.to_region, speed, gains, top)
 
 
 def is_enough(
