@@ -74,7 +74,7 @@ class Trip:
         self._routes = 1
         choose_lanes(graph, ego.route, ego.limits.vehicle_class)  # or an error, before the ego is taken over
         controller = Controller(graph, ego.limits, scenario.profile, scenario.delays)
-        self._observer = EgoObserver(ego_id, sensor, ego.limits.parameters.foreseen_lights_s)
+        self._observer = EgoObserver(ego_id, sensor, ego.limits)
         self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of)

@@ -7,6 +7,7 @@ import math
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, Traffic
+from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
@@ -15,12 +16,12 @@ from sumo_reactive.sumo.static_obstacles import LANES_REFRESH_M, StaticView
 
 
 class EgoObserver:
-    """Directs the sensor's look to what matters for one ego, who knows the lights' next `foreseen_lights` s."""
+    """Directs the sensor's look to what matters for one ego with these `limits`."""
 
-    def __init__(self, ego_id: str, sensor: Sensor, foreseen_lights: float = 0.0) -> None:
+    def __init__(self, ego_id: str, sensor: Sensor, limits: VehicleLimits) -> None:
         self._ego_id = ego_id
         self._sensor = sensor
-        self._foreseen_lights = foreseen_lights
+        self._limits = limits
         self._static = StaticView(sensor.static, ego_id)
         self._view: tuple[object, int, float] = (None, 0, 0.0)
         self._lanes: tuple[SeenLane, ...] = ()
@@ -39,7 +40,7 @@ class EgoObserver:
         sensor = self._sensor
         now = sensor.look()
         lights = {light: sensor.letters(light) for light in self._lights}
-        horizon = self._foreseen_lights
+        horizon = self._limits.parameters.foreseen_lights_s
         switches = {light: sensor.switches(light, horizon) for light in self._lights} if horizon else NO_SWITCHES
         static = self._static.near(*plan.curve.at(front)[:2])
         others = [user for user in sensor.vehicles(self._lanes) if user.id != self._ego_id]
@@ -50,7 +51,7 @@ class EgoObserver:
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""
-        seen = [_seen(graph, lane_id) for lane_id in lanes_in_sight(graph, plan, front, speed, sight)]
+        seen = [_seen(graph, lane_id) for lane_id in lanes_in_sight(graph, plan, self._limits, front, speed, sight)]
         self._lanes = tuple(one for one in seen if isinstance(one, SeenLane))
         self._crossings = tuple(one for one in seen if isinstance(one, SeenCrossing))
         ahead = [graph.junctions[plan.passages[index].junction_id] for index in in_sight(plan, front, speed)]

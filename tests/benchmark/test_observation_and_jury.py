@@ -43,14 +43,14 @@ def simulation() -> Iterator[tuple[RoadGraph, NominalPlan]]:
 
 def test_observing_the_lanes_in_sight(benchmark, simulation):
     graph, nominal = simulation
-    traffic = benchmark(EgoObserver(EGO, Sensor()).observe, graph, nominal, 0.0, 10.0, 0.0)
+    traffic = benchmark(EgoObserver(EGO, Sensor(), CAR).observe, graph, nominal, 0.0, 10.0, 0.0)
     assert traffic.users
     assert all(user.id != EGO for user in traffic.users)
 
 
 def test_judging_a_step(benchmark, simulation):
     graph, nominal = simulation
-    traffic = EgoObserver(EGO, Sensor()).observe(graph, nominal, 0.0, 10.0, 0.0)
+    traffic = EgoObserver(EGO, Sensor(), CAR).observe(graph, nominal, 0.0, 10.0, 0.0)
     x, y, heading = nominal.curve.at(0.0)
     jury, now = Jury(CAR.length, CAR.width, CAR.wheelbase), count(UNTIL_S)
     benchmark(lambda: jury.see(Scene(_record(next(now), x, y, heading), traffic.users, world=graph)))

@@ -11,10 +11,10 @@ from kinds import Net, car, cross, driven, edge, link, node, program, sort, stre
 LONG = sort("long", vClass="bus", length=12, width=2.5) + sort("trailer", vClass="trailer", length=16, width=2.5)
 
 
-def fork(angle: float) -> Net:
+def fork(angle: float, radius: float = 1.5) -> Net:
     """Return a road from a to b that goes on to n, and turns right by `angle` degrees to e, both ways there."""
     turn = math.radians(angle)
-    nodes = node("a", 0, -90) + node("b", 0, 0, radius=1.5) + node("n", 0, 90)
+    nodes = node("a", 0, -90) + node("b", 0, 0, radius=radius) + node("n", 0, 90)
     nodes += node("e", 90 * math.sin(turn), 90 * math.cos(turn))
     return Net(nodes, "".join(edge(ends) for ends in ("ab", "ba", "bn", "nb", "be", "eb")))
 
@@ -53,6 +53,17 @@ def test_who_swings_out_before_its_line_waits_on_its_own_lane_for_those_who_come
     others = stream("x", "nb ba", [first + gap * k for k in range(7)])
     run = driven(tmp_path, fork(angle), car("ego", "ab be", type=kind), others, extra=LONG, until=120)
     assert run.complaints(slower=5) == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "angle", "radius", "first"),
+    [("long", 135, 1.5, 4.5), ("trailer", 135, 1.5, 4.5), ("trailer", 150, 1.5, 3), ("long", 150, 4, 3)],
+)
+def test_who_is_crooked_behind_a_sharp_turn_waits_for_those_whose_line_it_covers_there(tmp_path, kind, angle, radius, first):
+    """They start far away and speed up as far as their road allows, though their turn allows less."""
+    x = car("x", "eb ba", first, departSpeed=0)
+    run = driven(tmp_path, fork(angle, radius), car("ego", "ab be", type=kind), x, extra=LONG, until=120)
+    assert run.complaints(slower=3) == []
 
 
 @pytest.mark.parametrize("kind", ["priority", "right_before_left"])

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers.cars import car_at
+from helpers.cars import CAR, car_at
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
@@ -75,20 +75,20 @@ def world(monkeypatch):
 
 def test_all_that_matters_is_told_with_the_time_and_without_the_ego_itself(world):
     eyes = Eyes()
-    traffic = EgoObserver("ego", eyes).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
+    traffic = EgoObserver("ego", eyes, CAR).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
     assert (traffic.time, traffic.sight, traffic.lights) == (7.5, 90.0, {"s": "s:G", "t": "t:G"})
     assert [one.id for one in traffic.users] == ["a", "b", "on :c_c0_0", "stone"]
     assert [one.id for one in traffic.beside] == ["before :c_c0_0"]
     assert traffic.static.tolist() == [[50.0, 0.0]]
     assert eyes.asked == ["look", ("a_0", ":c_0_0")]
-    assert world.asked == [(world.graph, world.plan, 12.0, 8.0, 90.0), (world.plan, 12.0, 8.0)]
+    assert world.asked == [(world.graph, world.plan, CAR, 12.0, 8.0, 90.0), (world.plan, 12.0, 8.0)]
 
 
 def test_where_nothing_is_in_sight_nothing_is_told(world):
     world.seen |= {"lanes": (), "passages": ()}
     eyes = Eyes()
     eyes.static = SimpleNamespace(users=(), outlines=(), parked={}, changes=0)
-    traffic = EgoObserver("ego", eyes).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
+    traffic = EgoObserver("ego", eyes, CAR).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
     assert ([one.id for one in traffic.users], traffic.beside, traffic.lights) == (["a", "b"], (), {})
     assert traffic.static is NO_POINTS
 
@@ -96,7 +96,7 @@ def test_where_nothing_is_in_sight_nothing_is_told(world):
 def test_what_stands_is_looked_for_about_the_front_and_an_ego_that_is_parked_is_no_obstacle_to_itself(world):
     eyes = Eyes()
     eyes.static.parked = {"ego": np.array([(12.0, 0.0)]), "x": np.array([(13.0, 0.0)])}
-    observe = EgoObserver("ego", eyes).observe
+    observe = EgoObserver("ego", eyes, CAR).observe
     assert observe(world.graph, world.plan, 12.0, 8.0, 90.0).static.tolist() == [[50.0, 0.0], [13.0, 0.0]]
     assert observe(world.graph, world.plan, 100.0, 8.0, 90.0).static.tolist() == [[50.0, 0.0]]
 
@@ -114,7 +114,7 @@ def test_what_stands_is_looked_for_about_the_front_and_an_ego_that_is_parked_is_
     ],
 )
 def test_the_look_goes_elsewhere_with_another_plan_or_sight_and_every_few_metres(world, change, is_anew):
-    observer = EgoObserver("ego", Eyes())
+    observer = EgoObserver("ego", Eyes(), CAR)
     first = {"plan": world.plan, "front": LANES_REFRESH_M + 0.1, "speed": 8.0, "sight": 90.0}
     observer.observe(world.graph, *first.values())
     world.asked.clear()
@@ -127,7 +127,7 @@ def test_the_look_goes_elsewhere_with_another_plan_or_sight_and_every_few_metres
 
 def test_even_the_first_metres_of_a_plan_are_looked_at(world):
     eyes = Eyes()
-    EgoObserver("ego", eyes).observe(world.graph, world.plan, 0.0, 0.0, 0.0)
+    EgoObserver("ego", eyes, CAR).observe(world.graph, world.plan, 0.0, 0.0, 0.0)
     assert eyes.asked[-1] == ("a_0", ":c_0_0")
 
 

@@ -188,7 +188,7 @@ def observed(net, folder, content: str, steps: int = 2, away: float = 30.0):
     found = plan(graph, Route(route), CAR, start_of(graph, "wc", away, 8.0))
     with running(net, folder, content):
         simulated(steps)
-        return EgoObserver("ego", Sensor()).observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
+        return EgoObserver("ego", Sensor(), CAR).observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
 
 
 def test_an_ego_observes_all_vehicles_that_matter_but_itself(net, tmp_path):
@@ -227,7 +227,7 @@ def test_an_ego_observes_who_walks_over_the_road_ahead_and_who_is_about_to(net, 
     seen: list[str] = []
     with running(net, tmp_path, WALK):
         libsumo.trafficlight.setRedYellowGreenState("c", "G" * len(libsumo.trafficlight.getRedYellowGreenState("c")))
-        observer = EgoObserver("ego", Sensor())
+        observer = EgoObserver("ego", Sensor(), CAR)
         for _ in range(200):
             simulated()
             traffic = observer.observe(graph, found, CAR.front_to_rear_axle, 8.0, 0.0)
@@ -242,6 +242,6 @@ def test_an_ego_looks_anew_once_it_has_come_on(net, tmp_path):
     found = plan(graph, Route(("wc", "ce")), CAR, start_of(graph, "wc", 140.0, 3.0))
     with running(net, tmp_path, ""):
         simulated()
-        observer = EgoObserver("ego", Sensor())
+        observer = EgoObserver("ego", Sensor(), CAR)
         seen = [set(observer.observe(graph, found, front, 3.0, 0.0).lights) for front in (4.0, 120.0)]
     assert seen == [set(), {"c"}]

@@ -68,7 +68,8 @@ def conflicts_of(graph: RoadGraph, own: Connection, regions: tuple[ConflictRegio
     Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
     drive side by side, and whoever reaches into the ego's corridor is a leader.
     """
-    rules = graph.junctions[own.junction_id].right_of_way
+    junction = graph.junctions[own.junction_id]
+    rules = junction.right_of_way
     found = []
     for region in regions:
         other = graph.connections[region.other_id]
@@ -76,16 +77,8 @@ def conflicts_of(graph: RoadGraph, own: Connection, regions: tuple[ConflictRegio
             continue
         yields, yielded = rules.must_yield(own.index, other.index), rules.must_yield(other.index, own.index)
         if yields or yielded or region.kind is ConflictKind.MERGING or not _side_by_side(graph, region, own, other):
-            found.append(Conflict(region, other, yields, yielded, _lets_pass(graph, other)))
+            found.append(Conflict(region, other, yields, yielded, junction.yielded_to_by(other)))
     return tuple(found)
-
-
-@kept(8192)
-def _lets_pass(graph: RoadGraph, connection: Connection) -> frozenset[str]:
-    """Return the connections of its junction to which one yields."""
-    junction = graph.junctions[connection.junction_id]
-    rules, own = junction.right_of_way, connection.index
-    return frozenset(one.id for one in junction.connections if rules.must_yield(own, one.index))
 
 
 def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:

@@ -150,7 +150,9 @@ def place_beside(graph: RoadGraph, plan: NominalPlan, lane_id: str, front: float
     return lane.spine.project(x, y)[0]
 
 
-def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float = 0.0) -> tuple[str, ...]:
+def lanes_in_sight(
+    graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float, sight: float = 0.0
+) -> tuple[str, ...]:
     """Return the ids of the lanes whose users matter now, each once; `sight` (m): how far to look at the own road."""
     lanes: dict[str, None] = {}
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
@@ -163,6 +165,7 @@ def lanes_in_sight(graph: RoadGraph, plan: NominalPlan, front: float, speed: flo
         lanes.update(dict.fromkeys(_lanes_beyond(graph, graph.lanes[plan.segments[-1].lane_id].edge_id)))
     for i in in_sight(plan, front, speed):
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
+        lanes.update(dict.fromkeys(_lanes_to(graph, swept_conflicts(plan, graph, limits).get(i, ()))))
     change = plan.next_change(front)
     if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
         lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))

@@ -73,17 +73,20 @@ def _conflicts(
     line = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
     ground = shapely.buffer(shapely.box(*shapely.total_bounds(bodies.boxes)), 0.5 * SWEPT_WIDTH_M)
     known = {region.other_id for region in graph.regions_on(own)}
+    reach = max(HOLD_BACK_REACH_M, limits.length)  # behind a sharp turn it is crooked for its length
     oncoming = {lane.id for lane in graph.oncoming(road_of(own.from_lane))}
     for other in junction.connections:
         if other.is_crossing or road_of(other.from_lane) == road_of(own.from_lane):
             continue
-        ways = [_other_way(graph, other, at_line=other.id in known)]
-        if line.distance(ways[0].line) < SWEPT_WIDTH_M:
-            ways = []  # ways that lie over each other: the map's own affair
+        way = _other_way(graph, other, reach, at_line=other.id in known)
+        if line.distance(way.line) < SWEPT_WIDTH_M:  # ways that lie over each other behind the line: the map's own affair
+            way = _other_way(graph, other, reach, at_line=True)
+        ways = [way] if line.distance(way.line) >= SWEPT_WIDTH_M else []
         ways += [_way_out(graph, other)] if other.to_lane in oncoming else []
         near = (way for way in ways if ground.intersects(way.line))
         regions = (_region(own, way, passage, bodies, limits.length) for way in near)
-        yield from (Conflict(one, other, must_yield=False, is_yielded_to=False) for one in regions if one is not None)
+        first = junction.yielded_to_by(other)
+        yield from (Conflict(one, other, must_yield=False, is_yielded_to=False, lets_pass=first) for one in regions if one)
 
 
 def _bodies(plan: NominalPlan, passage: Passage, limits: VehicleLimits) -> _Bodies | None:
@@ -106,10 +109,10 @@ def _bodies(plan: NominalPlan, passage: Passage, limits: VehicleLimits) -> _Bodi
     return _Bodies(fronts, shapely.polygons(corners))
 
 
-def _other_way(graph: RoadGraph, other: Connection, *, at_line: bool) -> _OtherWay:
-    """Return the way of others from before their stop line on; only up to the line where the map has a region behind it."""
+def _other_way(graph: RoadGraph, other: Connection, reach: float, *, at_line: bool) -> _OtherWay:
+    """Return the way of others from `reach` m before their stop line on; only up to the line if it ends `at_line`."""
     lane = graph.lanes[other.from_lane].spine
-    before = min(lane.length, HOLD_BACK_REACH_M)
+    before = min(lane.length, reach)
     parts: list[Points] = [cut(lane, lane.length - before, lane.length)]
     if not at_line:
         parts.append(other.path.points)

@@ -88,3 +88,8 @@ class Junction:
     outline: Points
     connections: tuple[Connection, ...]
     right_of_way: RightOfWay
+
+    def yielded_to_by(self, connection: Connection) -> frozenset[str]:
+        """Return the ids of the connections that one of this junction lets go first."""
+        own = connection.index
+        return frozenset(one.id for one in self.connections if self.right_of_way.must_yield(own, one.index))

@@ -75,9 +75,11 @@ def room_to_wait(foe: Foe) -> float | None:
 
 
 def is_certain(foe: Foe) -> bool:
-    """Whether the foe goes through first for certain: too near to stop. One that sees the ego start may hesitate."""
-    body = foe.user.body
-    return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, 0.0)
+    """Whether the foe goes through first for certain: too near to stop, at its line where it lets the ego go first by the
+    map. One that sees the ego start may hesitate."""
+    body, conflict = foe.user.body, foe.conflict
+    waits_at = foe.to_stop_line if conflict.region.own_id in conflict.lets_pass else foe.to_region
+    return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, waits_at, 0.0)
 
 
 def leaves_its_stop(foe: Foe) -> bool:
