@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
@@ -52,6 +53,33 @@ class Threat(NamedTuple):
     arrival: float
     clearance: float
     merged: float
+
+
+class Judgement(NamedTuple):
+    """What the pilot makes of one foe at one region: whether the ego `passes`, for what `reason`, with whose times (s)."""
+
+    reason: Reason
+    foe: Foe
+    passes: bool
+    own: Passing
+    other: Threat
+
+    @property
+    def region(self) -> str:
+        """The region's id."""
+        return self.foe.conflict.region.id
+
+    @property
+    def decision(self) -> Decision:
+        """The judgement as it is recorded."""
+        behaviour = Behaviour.CROSSING if self.passes else Behaviour.CAUTIOUS
+        figures = (
+            ("arrival_s", self.own.arrival),
+            ("clearance_s", self.own.clearance),
+            ("foe_arrival_s", self.other.arrival),
+            ("foe_clearance_s", self.other.clearance),
+        )
+        return Decision(behaviour, self.reason, self.region, self.foe.user.id, self.passes, figures)
 
 
 def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:

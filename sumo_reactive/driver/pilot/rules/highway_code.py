@@ -16,6 +16,7 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing, View
 from sumo_reactive.driver.pilot.rules import post_conflict, region, scheduled_stop, stop_line
+from sumo_reactive.driver.pilot.rules.gaps import Judgement
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 _RECORDED_S = 10.0
@@ -132,7 +133,7 @@ def _passage(
     return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged, arrivals, met), memory
 
 
-def _is_worth_a_word(judgement: region.Judgement) -> bool:
+def _is_worth_a_word(judgement: Judgement) -> bool:
     return judgement.foe.conflict.must_yield and judgement.other.arrival < _RECORDED_S
 
 
@@ -141,7 +142,7 @@ def _states(
     conflicts: tuple[Conflict, ...],
     snapshot: Snapshot,
     limits: VehicleLimits,
-    judgements: list[region.Judgement],
+    judgements: list[Judgement],
 ) -> tuple[RegionState, ...]:
     """Return the state of every region of a passage: one vehicle at a time."""
     taken: dict[str, RegionState] = {}

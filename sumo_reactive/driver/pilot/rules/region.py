@@ -9,14 +9,14 @@ from typing import NamedTuple
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
 from sumo_reactive.driver.pilot.assessment import NO_LEADERS, passing, simulate, way_of, would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
-from sumo_reactive.driver.pilot.rules.gaps import Passing, Threat, follows_at, threat, turning
+from sumo_reactive.driver.pilot.rules.gaps import Judgement, Passing, follows_at, threat, turning
 from sumo_reactive.driver.pilot.rules.lights import holds_back, letter_of, outranks
 from sumo_reactive.driver.pilot.rules.trust import (
     WAIT_INTO_M,
@@ -28,7 +28,7 @@ from sumo_reactive.driver.pilot.rules.trust import (
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.junction import Control
-from sumo_reactive.driver.world.regions import ConflictKind
+from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 
 HESITATING_SPEED = 3.0
 """m/s; an ego that moves no faster, and has not come on, has been waiting…"""
@@ -61,46 +61,28 @@ class Motions(NamedTuple):
     stopping: Floats
 
 
-class Judgement(NamedTuple):
-    """What the pilot makes of one foe at one region: whether the ego `passes`, for what `reason`, with whose times (s)."""
+class Counted(NamedTuple):
+    """A `foe` who may be in a region, with the right of way that the lights' letters leave him; whether the ego
+    `is_committed` there."""
 
-    reason: Reason
     foe: Foe
-    passes: bool
-    own: Passing
-    other: Threat
-
-    @property
-    def region(self) -> str:
-        """The region's id."""
-        return self.foe.conflict.region.id
-
-    @property
-    def decision(self) -> Decision:
-        """The judgement as it is recorded."""
-        behaviour = Behaviour.CROSSING if self.passes else Behaviour.CAUTIOUS
-        figures = (
-            ("arrival_s", self.own.arrival),
-            ("clearance_s", self.own.clearance),
-            ("foe_arrival_s", self.other.arrival),
-            ("foe_clearance_s", self.other.clearance),
-        )
-        return Decision(behaviour, self.reason, self.region, self.foe.user.id, self.passes, figures)
+    is_committed: bool
 
 
 def judgements(
     crossing: Crossing, foes: tuple[Foe, ...], view: View, memory: PilotMemory
 ) -> Iterator[tuple[Judgement, float | None]]:
-    """Yield what each of the `foes` means for a passage, with the place (m of C) to wait for it (None: go on)."""
+    """Yield what each of the `foes` who matter means for a passage, with the place (m of C) to wait for it (None: go on)."""
     snapshot, limits = view.snapshot, view.limits
-    theirs = [foe for foe in foes if foe.passage == crossing.number]
-    if not theirs:
+    theirs = (counted(foe, crossing, snapshot, memory, limits) for foe in foes if foe.passage == crossing.number)
+    matter = [one for one in theirs if one is not None]
+    if not matter:
         return
     motions = _motions(crossing, view)
-    for foe in theirs:
-        judgement = judge(foe, crossing, motions, snapshot, memory, limits)
-        if judgement is not None:
-            yield judgement, None if judgement.passes else _place_to_wait(foe.conflict, crossing, snapshot, limits)
+    for one in matter:
+        own = _foreseen(one.foe.conflict.region, crossing, motions, snapshot, limits)
+        judgement = judge(one, own, crossing, snapshot, memory, limits)
+        yield judgement, None if judgement.passes else _place_to_wait(one.foe.conflict, crossing, snapshot, limits)
 
 
 def _motions(crossing: Crossing, view: View) -> Motions:
@@ -171,37 +153,50 @@ def _is_wide(user: RoadUser) -> bool:
     return not user.body.is_person and user.body.width >= TWO_WHEELER_WIDTH_M
 
 
-def judge(
-    foe: Foe, crossing: Crossing, motions: Motions, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> Judgement | None:
-    """Return whether the ego may enter a region before or after a foe; None when the foe does not matter there.
-
-    The conflict-region rule: one vehicle at a time (F&L 1991, §2).
-    """
+def counted(
+    foe: Foe, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> Counted | None:
+    """Return a foe who may be in a region while the ego is not yet out of it, and does not let it go first; None: he does
+    not matter there."""
     foe = _by_letters(foe, crossing, snapshot)
     region, front = foe.conflict.region, snapshot.front
-    to_region = crossing.at(region.own.start) - front
-    to_clear = crossing.at(region.post.start) + limits.length - front
-    if to_clear <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
+    if crossing.at(region.post.start) + limits.length - front <= 0.0 or not _can_come(foe, snapshot, memory, crossing):
         return None
+    to_region = crossing.at(region.own.start) - front
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    if gives_way(foe, committed, crossing, snapshot.parameters):
-        return None
-    p, speed = snapshot.parameters, snapshot.ego.speed
-    is_clear = crossing.stop - front > to_clear
-    earliest = travel_time(to_region, speed, limits.acceleration_in_plan, crossing.pace)
-    own = passing(motions.stopping if is_clear else motions.on, earliest, to_region, to_clear, limits.length)
+    return None if gives_way(foe, committed, crossing, snapshot.parameters) else Counted(foe, committed)
+
+
+def _foreseen(
+    region: ConflictRegion, crossing: Crossing, motions: Motions, snapshot: Snapshot, limits: VehicleLimits
+) -> Passing:
+    """Foresee when the ego is in a region if it goes on now: at the earliest, and until when by its simulated motions."""
+    front, speed, gains = snapshot.front, snapshot.ego.speed, limits.acceleration_in_plan
     if crossing.turn is not None:
-        own = turning(crossing.turn.start - front, speed, limits.acceleration_in_plan, crossing.turn.duration)
+        return turning(crossing.turn.start - front, speed, gains, crossing.turn.duration)
+    to_region, to_clear = crossing.at(region.own.start) - front, crossing.at(region.post.start) + limits.length - front
+    earliest = travel_time(to_region, speed, gains, crossing.pace)
+    motion = motions.stopping if crossing.stop - front > to_clear else motions.on
+    return passing(motion, earliest, to_region, to_clear, limits.length)
+
+
+def judge(
+    one: Counted, own: Passing, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
+) -> Judgement:
+    """Return whether an ego that is in a region at its `own` times may enter it before or after a foe who counts.
+
+    The conflict-region rule: one vehicle at a time (F&L 1991, §2).
+    """
+    (foe, committed), p, front = one, snapshot.parameters, snapshot.front
     other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
     may_follow = committed or is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
     if not committed and stops_in_the_way(foe, crossing):
         may_follow = False
     if not may_follow and leaves_its_stop(foe):  # it goes first, but the ego may be there sooner than planned
-        may_follow = True
-        own = own._replace(arrival=travel_time(to_region, speed, limits.max_acceleration, crossing.pace))
+        may_follow, to_region = True, crossing.at(foe.conflict.region.own.start) - front
+        own = own._replace(arrival=travel_time(to_region, snapshot.ego.speed, limits.max_acceleration, crossing.pace))
     meets = would_meet(own, foe, other, p, p.committed_patience if committed else 1.0, may_follow=may_follow)
     return Judgement(_reason(foe), foe, not meets, own, other)
 
