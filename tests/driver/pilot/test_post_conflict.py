@@ -7,7 +7,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, wait_before
+from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, taken_by, wait_before
 from sumo_reactive.driver.world.regions import ConflictKind
 
 NORTH = ("from_south", "to_north")
@@ -49,6 +49,18 @@ def test_of_several_stops_inside_the_nearest_is_the_one_that_is_moved_before_the
     stops = [stop_at(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
     found = wait_before(way, conflicts, stops, situation.snapshot, situation.memory, situation.limits)
     assert found == stop_at(ego.line, Reason.NO_GAP, cause="4 m")
+
+
+@pytest.mark.parametrize(("along", "takes_it"), [(0.0, True), (2.0, True), (-8.0, False)])
+def test_who_comes_towards_the_ego_out_of_the_room_behind_does_not_take_it(along, takes_it):
+    """He turns off through the corridor; who stands there or crawls on stays."""
+    ego = before("four_way_priority", NORTH, 20.0, 5.0)
+    x = ego.other("x", "to_north_0", 6.0, abs(along), ("to_north",))
+    situation = ego.considered(x)
+    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    (there,) = (obstacle._replace(along=along, across=0.0) for obstacle in situation.snapshot.on_path)
+    snapshot = situation.snapshot._replace(on_path=(there,))
+    assert taken_by(way, conflicts, snapshot, situation.memory, situation.limits) == ("x" if takes_it else "")
 
 
 @pytest.mark.parametrize(("behind", "place"), [(-0.5, 0.0), (0.5, None)])

@@ -61,7 +61,8 @@ def taken_by(
         return ""
     behind = clear + limits.standstill_gap
     time = travel_time(behind - snapshot.front, snapshot.ego.speed, limits.acceleration_in_plan, way.pace)
-    along = [o for o in snapshot.on_path if o.start > snapshot.front and abs(o.across) <= max(o.along, 1.0)]
+    ahead = (o for o in snapshot.on_path if o.start > snapshot.front and o.along > -STANDING_SPEED)
+    along = [o for o in ahead if abs(o.across) <= max(o.along, 1.0)]
     return _too_near(along, time, (way.passage.start, behind), snapshot.parameters.comfort_deceleration)
 
 
