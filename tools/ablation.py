@@ -178,7 +178,7 @@ MEASURES = (
     Measure("TTC (s)", "time_to_collision_s", "time to collision smaller by {} s", nearer, 0.5, 2),
     Measure("jerk (%)", "rms_jerk_m_s3", "{} % more jerk", rougher_by, 5.0, 1),
     Measure("RMS of d (m)", "tracking_m", "RMS of d {} m greater", rougher, 0.05, 3),
-    Measure("rules asked (×)", "highway_code_runs", "the highway code asked {} times as often", times_as_many, 2.0, 1),
+    Measure("pilot runs (×)", "pilot_activations", "the pilot runs {} times as often", times_as_many, 2.0, 1),
 )
 NOTHING: Figures = {measure.key: 0.0 for measure in MEASURES}
 """Of a run that a fault of the program ended: it has not arrived."""
@@ -319,7 +319,7 @@ def figures_of_run(scenario: Scenario) -> dict[str, float]:
     stands = [step.speed < STANDING for step in steps]
     figures = result.figures
     named = ("collisions", "violations", "emergencies", "hard_braking_caused", "standstill_s", "rms_jerk_m_s3")
-    return {name: float(figures.get(name) or 0.0) for name in (*named, "highway_code_runs")} | {
+    return {name: float(figures.get(name) or 0.0) for name in (*named, "pilot_activations")} | {
         "arrived": float(result.arrived),
         "collisions": float(len(result.collisions)),
         "violations": float(len(result.violations)),
@@ -417,7 +417,7 @@ against the whole driver, over all runs. Positive is worse, negative better, and
 arrival, a contact, a violation, an emergency, a hard braking caused or a stop; more than 1 s of standstill, of standing with
 a part of the car in a junction, or of time; 5 % of jerk; 5 cm of tracking; in any one run 5 cm of clearance (below
 {CLEAR_M:g} m, faster than {PASSING:g} m/s) or half a second of time to collision (below {SOON_S:g} s); and, where the
-mechanism is there for it, twice the runs of the highway code. A run that does not arrive is ended after {LONGEST:g} times
+mechanism is there for it, twice the runs of the pilot. A run that does not arrive is ended after {LONGEST:g} times
 the time that the whole driver takes, and {LONGER_S:g} s."""
 
 

@@ -16,10 +16,10 @@ from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.path.time_constraints import retimed
-from sumo_reactive.driver.pilot.events import detect, only_foes
+from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
-from sumo_reactive.driver.pilot.pilot import Style, confirm, decide, may_confirm, notice
+from sumo_reactive.driver.pilot.pilot import Style, decide, notice
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.bicycle import advance
@@ -58,13 +58,13 @@ class Drive(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What a control step saw, decided and did, and where that leaves the ego. `asked`: runs of the highway code in it."""
+    """What a control step saw, decided and did, and where that leaves the ego. `runs`: of the pilot in it."""
 
     snapshot: Snapshot
     completed: CompletedPlan
     execution: Execution
     drive: Drive
-    asked: int = 0
+    runs: int = 0
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Controller:
             step = self._once(moved(traffic, part * period), step.drive, period, decides=decides)
             step = step._replace(
                 completed=step.completed.after(before.completed), execution=step.execution.after(before.execution),
-                asked=before.asked + step.asked,
+                runs=before.runs + step.runs,
             )  # fmt: skip
         return step
 
@@ -103,14 +103,14 @@ class Controller:
         seen = perceive(traffic, drive.ego, drive.plan, self.graph, self.limits, place)
         if looks:
             seen = self._with_foes(seen, traffic, drive.plan)
-        snapshot, completed, memory, asked = self._completed(seen, traffic, drive, looks, decides=decides)
+        snapshot, completed, memory, runs = self._completed(seen, traffic, drive, looks, decides=decides)
         held_plan = completed.held() if completed.events else completed
         if drive.last is not None and traffic.time < drive.held_until - 1e-6:
             ego = advance(drive.ego, drive.last.command, self.limits.wheelbase, period)
             execution = drive.last._replace(state=ego)
             s, d = self._place(ego, drive.plan, snapshot.s, completed)
             after = drive._replace(ego=ego, s=s, memory=memory, completed=held_plan, d=d)
-            return Step(snapshot, completed, execution, after, asked)
+            return Step(snapshot, completed, execution, after, runs)
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
         held = max(period, self.limits.parameters.paper_control_period_s) if nine else period
@@ -120,7 +120,7 @@ class Controller:
         s, d = self._place(execution.state, drive.plan, snapshot.s, completed)
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
-        return Step(snapshot, completed, execution, after, asked)
+        return Step(snapshot, completed, execution, after, runs)
 
     def _with_foes(self, snapshot: Snapshot, traffic: Traffic, plan: NominalPlan) -> Snapshot:
         """Return a snapshot that knows who can reach which region; a pilot whose decision rests on none does not ask."""
@@ -136,7 +136,7 @@ class Controller:
         self, snapshot: Snapshot, traffic: Traffic, drive: Drive, has_foes: bool, *, decides: bool
     ) -> tuple[Snapshot, CompletedPlan, PilotMemory, int]:
         """Return P⁺: as it is, unless an event activates the pilot (F&L 1991, §2); then the snapshot gets its foes if it has
-        none yet. Last is how often the highway code was asked."""
+        none yet. Last is how often the pilot ran."""
         plan, memory = drive.plan, notice(snapshot, drive.memory)
         has = snapshot.parameters.has
         ahead = passages_ahead(self.graph, plan, self.limits, snapshot.passages)
@@ -147,13 +147,6 @@ class Controller:
             return snapshot, drive.completed, memory, 0
         if not has_foes:
             snapshot = self._with_foes(snapshot, traffic, plan)
-        asked = 1
-        foes_only = not runs_always and only_foes(events, snapshot)
-        if drive.completed is not None and foes_only and may_confirm(snapshot, memory):
-            asked = 2
-            confirmed = confirm(view_of(snapshot, plan, self.limits, ahead), drive.completed, memory)
-            if confirmed is not None:
-                return snapshot, drive.completed, confirmed, 1
         foreseen = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
         view = view_of(snapshot, plan, self.limits, ahead)
@@ -162,7 +155,7 @@ class Controller:
             stops = still_to_serve(plan, memory, snapshot.time)
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits, stops)
             completed, memory = completed.timed(times), memory._replace(schedule=times)
-        return snapshot, completed, memory, asked
+        return snapshot, completed, memory, 1
 
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:
         """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""

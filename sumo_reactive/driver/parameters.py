@@ -134,11 +134,14 @@ class Parameters:
     off_nominal_speed: float = 3.0
     """"v far from nominal" (F&L 1991, §2), m/s: a fifth of city speed."""
 
-    trust_s: float = 0.4
-    """Near an intersection, and while a gap is sought, the others are foreseen anew after this long."""
+    foreseen_tolerance_s: float = 0.5
+    """Another road user is where he was foreseen as long as he clears a region less than this sooner or later."""
 
-    trust_ahead_s: float = 1.0
-    """They are foreseen anew after this long while the intersection is still far."""
+    trust_s: float = 0.4
+    """While a gap beside is sought, and while the ego passes somebody, the others are foreseen anew after this long."""
+
+    retry_s: float = 1.5
+    """Whether somebody who could not be passed can be is tried out anew after this long."""
 
     progress_m: float = 3.0
     """Coming on means this far."""

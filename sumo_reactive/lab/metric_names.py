@@ -89,11 +89,8 @@ METRICS: Mapping[str, Metric] = _by_key(
     Metric("off_road_s", "time on no lane", "s", "as SUMO maps the ego"),
     Metric("emergencies", "emergencies", "", f"times that the ego began to brake {_EMERGENCY}", None, "emergency"),
     Metric("emergency_s", "time in emergencies", "s", f"time during which the ego braked {_EMERGENCY}"),
-    Metric("pilot_activations", "activations of the pilot", "", "steps in which events made the pilot decide", None),
-    Metric(
-        "highway_code_runs", "runs of the highway code", "", "by the pilot, or to confirm what it has decided", None
-    ),
-    Metric("pilot_free_share", "steps without the pilot", "", "share in which neither it nor the highway code ran, 0 to 1"),
+    Metric("pilot_activations", "activations of the pilot", "", "runs of the pilot, and so of the highway code", None),
+    Metric("pilot_free_share", "steps without the pilot", "", "share in which it did not run, 0 to 1"),
     *(Metric(event_key(kind), f"event: {kind.value}", "", "how often this activated the pilot", None) for kind in EventKind),
 )  # fmt: skip
 """What a trial gives again with the same seed, in the order in which it is shown."""

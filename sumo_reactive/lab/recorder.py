@@ -33,12 +33,12 @@ COLUMNS = {
     "command_acceleration": "command_acceleration_m_s2", "command_steering_rate": "command_steering_rate_rad_s",
     "desired_speed": "desired_speed_m_s", "stop_s": "stop_m", "u": "u", "u1": "u1", "u2": "u2", "u3": "u3",
     "leader": "leader", "gap": "gap_m", "behaviour": "behaviour", "instruction": "instruction", "pilot": "pilot",
-    "asked": "highway_code_runs", "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
+    "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
 }  # fmt: skip
 """Column of each field of `StepRecord`; decisions have a file of their own."""
 
-_FLAGS, _TEXTS = ("emergency", "pilot"), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
-_TYPES: dict[str, type] = {"asked": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
+_FLAGS, _TEXTS = ("emergency",), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
+_TYPES: dict[str, type] = {"pilot": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
 
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:

@@ -225,8 +225,8 @@ def _record(
         desired_speed=execution.desired_speed, stop_s=completed.stop.s if completed.stop else math.nan,
         u=potentials.total, u1=potentials.valley, u2=potentials.shadow, u3=potentials.velocity,
         leader=leader.behind if leader else "", gap=leader.s - snapshot.front if leader else math.nan,
-        behaviour=completed.behaviour.value, instruction=completed.instruction.value, pilot=bool(completed.events),
-        emergency=execution.emergency, hazard=execution.hazard, asked=step.asked, decisions=completed.decisions,
+        behaviour=completed.behaviour.value, instruction=completed.instruction.value, pilot=step.runs,
+        emergency=execution.emergency, hazard=execution.hazard, decisions=completed.decisions,
         events=completed.events, assessment=completed.assessment, regions=completed.regions, light=light,
         control_us=control_us,
     )  # fmt: skip

@@ -48,12 +48,10 @@ def header(recording: Recording) -> str:
 def footer(figures: Mapping[str, Any]) -> str:
     """How often the pilot ran, and what activated it, the most frequent first."""
     runs, share = figures.get("pilot_activations", 0), figures.get("pilot_free_share")
-    asked = figures.get("highway_code_runs")
     counts = [(figures.get(event_key(kind), 0), kind) for kind in EventKind]
     told = [f"{sentences.EVENTS[kind]} ({count})" for count, kind in sorted(counts, key=lambda one: -one[0]) if count]
-    held = "" if asked is None else f"; the highway code was asked {asked} times"
-    rested = "" if share is None else f"; {100.0 * share:.0f} % of the steps needed neither"
-    return f"The pilot decided in {runs} steps{held}{rested}." + (f" What activated it: {', '.join(told)}." if told else "")
+    rested = "" if share is None else f"; {100.0 * share:.0f} % of the steps went without it"
+    return f"The pilot decided {runs} times{rested}." + (f" What activated it: {', '.join(told)}." if told else "")
 
 
 def paragraph(entry: Entry, before: Entry | None = None) -> str:

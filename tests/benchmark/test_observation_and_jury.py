@@ -58,5 +58,5 @@ def test_judging_a_step(benchmark, simulation):
 
 
 def _record(time: float, x: float, y: float, heading: float) -> StepRecord:
-    motion, flags = {"acceleration": 0.0, "steering_angle": 0.0}, {"pilot": False, "emergency": False}
-    return StepRecord(time, x, y, heading, 10.0, "", **motion, **flags, control_us=0.0, asked=0)
+    motion, flags = {"acceleration": 0.0, "steering_angle": 0.0}, {"pilot": 0, "emergency": False}
+    return StepRecord(time, x, y, heading, 10.0, "", **motion, **flags, control_us=0.0)

@@ -18,8 +18,8 @@ def step(k, behaviour=Behaviour.NORMAL, **others):
         "time": 0.1 * k, "x": float(k), "y": 2.0, "heading": 0.0, "speed": 10.0, "acceleration": 0.0, "steering_angle": 0.0,
         "lane_id": "a_0", "s": float(k), "d": 0.0, "command_acceleration": 0.0, "command_steering_rate": 0.0,
         "desired_speed": 12.0, "stop_s": NAN, "u": 0.3, "u1": 0.1, "u2": 0.2, "u3": 0.0, "leader": "van", "gap": 50.0,
-        "behaviour": behaviour.value, "instruction": Instruction.FOLLOW_CURVE.value, "pilot": False, "emergency": False,
-        "light": "", "control_us": 100.0, "decisions": (), "hazard": "", "asked": 0,
+        "behaviour": behaviour.value, "instruction": Instruction.FOLLOW_CURVE.value, "pilot": 0, "emergency": False,
+        "light": "", "control_us": 100.0, "decisions": (), "hazard": "",
     }  # fmt: skip
     return StepRecord(**(values | others))
 

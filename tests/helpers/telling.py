@@ -86,7 +86,9 @@ def _rests_on(memory: PilotMemory) -> list[str]:
     assert premises is not None
     flags = {name: value for name, value in premises._asdict().items() if isinstance(value, bool | np.bool_)}
     said = [name for name, value in flags.items() if value]
-    lines = [_words("rests on", *sorted(premises.heeded), "for", premises.trusted_until - premises.time, *said)]
+    counted_on = [f"{user_id} at {region}" for user_id, region in sorted(premises.judged)]
+    due = [word for kind, time in premises.due.items() for word in (kind.name, "in", time - premises.time)]
+    lines = [_words("rests on", *sorted(premises.speeds), *said, *due), *counted_on]
     lines.append(_words(len(premises.regions), "can be reached, stages", *(tuple(map(int, one)) for one in premises.stages)))
     lines.append(_words("may go by", *memory.released, *memory.yellows, "stopped at", memory.stopped_at))
     return [*lines, _words("delay", memory.delay, "on", memory.progress_time, memory.escapes, *_under_way(memory))]

@@ -27,13 +27,12 @@ def record(time=0.0, x=0.0, y=0.0, heading=0.0, speed=0.0, **others) -> StepReco
         "gap": NAN,
         "behaviour": "normal driving",
         "instruction": "follow C",
-        "pilot": False,
+        "pilot": 0,
         "emergency": False,
         "light": "",
         "control_us": 100.0,
         "decisions": (),
         "hazard": "",
-        "asked": 0,
     }
     return StepRecord(time=time, x=x, y=y, heading=heading, speed=speed, **(values | others))
 

@@ -148,12 +148,12 @@ def test_comfort_figures_follow_from_speed_and_steering(jury):
     assert figures["off_road_s"] == pytest.approx(0.1)
 
 
-def test_the_steps_without_the_pilot_the_runs_of_the_highway_code_and_the_events_are_counted(jury):
+def test_the_runs_of_the_pilot_the_steps_without_it_and_the_events_are_counted(jury):
     both = Event(EventKind.LIGHT_CHANGE, "tl"), Event(EventKind.NEW_OBSTACLE, "veh_12")
     for k in range(4):
-        jury.see(Scene(record(0.1 * k, pilot=k == 1, asked=(0, 2, 1, 0)[k], events=both if k == 1 else ()), ()))
+        jury.see(Scene(record(0.1 * k, pilot=(0, 2, 1, 0)[k], events=both if k == 1 else ()), ()))
     figures = jury.figures()
-    assert (figures["pilot_activations"], figures["highway_code_runs"], figures["pilot_free_share"]) == (1, 3, 0.5)
+    assert (figures["pilot_activations"], figures["pilot_free_share"]) == (3, 0.5)
     assert [figures[f"events_{kind}"] for kind in ("light_change", "new_obstacle", "delay")] == [1, 1, 0]
 
 

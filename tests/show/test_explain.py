@@ -131,20 +131,20 @@ def test_what_an_emergency_is_for_is_told():
 
 
 def test_the_footer_tells_what_activated_the_pilot_most_often_first():
-    figures = {"pilot_activations": 6, "highway_code_runs": 9, "pilot_free_share": 0.934}
+    figures = {"pilot_activations": 6, "pilot_free_share": 0.934}
     figures |= {"events_light_change": 2, "events_new_obstacle": 4}
     assert footer(figures) == (
-        "The pilot decided in 6 steps; the highway code was asked 9 times; 93 % of the steps needed neither. "
+        "The pilot decided 6 times; 93 % of the steps went without it. "
         "What activated it: a new obstacle is ahead (4), a light changes (2)."
     )
-    assert footer({"pilot_free_share": None}) == "The pilot decided in 0 steps."
+    assert footer({"pilot_free_share": None}) == "The pilot decided 0 times."
 
 
 def test_a_run_without_entries_has_a_header_and_a_footer(tmp_path):
     summary = {"ego": "cab", "scenario": "a.toml", "verdict": "did not arrive", "figures": {}}
     assert list(story(Recording(tmp_path, summary, ()))) == [
         "cab in a.toml: did not arrive.",
-        "The pilot decided in 0 steps.",
+        "The pilot decided 0 times.",
     ]
 
 

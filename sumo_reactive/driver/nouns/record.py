@@ -24,11 +24,10 @@ class StepRecord(NamedTuple):
     `x`, `y` is the front bumper's centre (m), `heading` in rad. `s`, `d`: front axle on C (m). `stop_s` is the planned
     stop (m on C, NaN: none). `u`, `u1`, `u2`, `u3`: potential and its terms for the chosen command. `leader`, `gap`: the
     vehicle that limits the ego and its distance (m, NaN: none). `control_us`: time of the control step. `lane_id` is
-    where SUMO maps the ego (empty: nowhere). `light`: letter that applied to
-    the stop line crossed in this step (empty: none crossed). `pilot`: whether `events` activated the pilot in this step,
-    `asked` how often the highway code was asked in it, by the pilot or to confirm a decision;
-    `decisions`, `assessment` and `regions` are those of its last activation. `hazard`: what milder braking would not have
-    stopped clear of when `emergency`: a leader's id or one of the names above (empty: no command was admissible).
+    where SUMO maps the ego (empty: nowhere). `light`: letter that applied to the stop line crossed in this step (empty: none
+    crossed). `pilot`: how often `events` activated the pilot in this step; `decisions`, `assessment` and `regions` are those
+    of its last activation. `hazard`: what milder braking would not have stopped clear of when `emergency`: a leader's id or
+    one of the names above (empty: no command was admissible).
     """
 
     time: float
@@ -53,7 +52,7 @@ class StepRecord(NamedTuple):
     gap: float | None = None
     behaviour: str | None = None
     instruction: str | None = None
-    pilot: bool | None = None
+    pilot: int | None = None
     emergency: bool | None = None
     light: str | None = None
     control_us: float | None = None
@@ -62,7 +61,6 @@ class StepRecord(NamedTuple):
     assessment: Assessment = NOT_ASSESSED
     regions: tuple[RegionState, ...] = ()
     hazard: str | None = None
-    asked: int | None = None
 
 
 class Scene(NamedTuple):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
@@ -15,18 +14,15 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
 from sumo_reactive.driver.pilot.behaviours.turning_round import is_in_reach
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
+from sumo_reactive.driver.pilot.overturned import overturned
 from sumo_reactive.driver.pilot.passages import Ahead, View, reach_of
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules
-from sumo_reactive.driver.pilot.rules.region import ENTERING_M
+from sumo_reactive.driver.pilot.rules.region import ENTERING_M, intent_of
 from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
 from sumo_reactive.driver.pilot.transitions import RULES
 
 FAR, NEAR, ENTERING, INSIDE = range(4)
 """How far the ego has come in a passage: out of reach, within cautious reach, just before its line, past it."""
-
-
-_DOINGS = (EventKind.FORECAST_EXPIRED, EventKind.OTHER_BEHAVIOUR, EventKind.NEW_OBSTACLE)
-"""What the others do."""
 
 
 def detect(
@@ -40,7 +36,7 @@ def detect(
     if held is None or premises is None or premises.plan is not plan:
         new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
         return (Event(EventKind.NEW_PLAN), *new_route)
-    found = _others(snapshot, held, premises)
+    found = _others(snapshot, held, memory, premises)
     found += _own(snapshot, plan, ahead, memory, premises)
     found += _times(snapshot, held, memory, premises)
     if no_command:
@@ -48,85 +44,66 @@ def detect(
     return tuple(found)
 
 
-def only_foes(events: tuple[Event, ...], snapshot: Snapshot) -> bool:
-    """Whether nothing has happened but what those do who are not in the ego's way, or that they were foreseen long ago."""
-    in_the_way = {obstacle.user.id for obstacle in snapshot.on_path}
-    return all(event.kind in _DOINGS and event.cause not in in_the_way for event in events)
-
-
 def premises_of(
-    view: View, made: CompletedPlan, memory: PilotMemory, rules: Rules, *, is_watchful: bool, is_settled: bool
+    view: View, made: CompletedPlan, memory: PilotMemory, rules: Rules, *, looks_beside: bool, is_settled: bool
 ) -> Premises:
     """Return what the decision `made` now rests on; `rules`: what the highway code asked for.
 
-    `is_watchful`: on the others' motion from moment to moment; `is_settled`: on none of it, for a light or a time decides.
+    `looks_beside`: it rests on those on the lane beside; `is_settled`: on none of the others, for a light or a time decides.
     """
-    snapshot, ahead = view.snapshot, view.ahead
-    plan, stop, regions = made.plan, made.stop, frozenset(foe.conflict.region.id for foe in snapshot.foes)
-    stages = _stages(snapshot, plan, ahead, regions)
-    is_seeking = seeks(snapshot, plan)
-    near = is_watchful or is_seeking or any(stage[0] != FAR for stage in stages)
-    trust = view.limits.parameters.trust_s if near else view.limits.parameters.trust_ahead_s
-    asks = Rule.REGION in RULES[made.behaviour].asks
-    watches = (snapshot.foes and asks) or is_watchful or is_seeking
+    snapshot, ahead, p = view.snapshot, view.ahead, view.limits.parameters
+    plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
+    is_seeking, asks = seeks(snapshot, plan), Rule.REGION in RULES[made.behaviour].asks
+    due = {}
+    if not is_settled and (is_seeking or looks_beside):
+        due[EventKind.GAP_SOUGHT] = snapshot.time + p.trust_s
+    if not is_settled and (memory.overtaking or made.sight):
+        due[EventKind.PASS_TRIED] = snapshot.time + (p.trust_s if memory.overtaking else p.retry_s)
     return Premises(
-        plan=plan,
-        time=snapshot.time,
-        lights=snapshot.lights,
-        speeds=_speeds(snapshot, asks),
-        heeded=rules.judged.union(obstacle.user.id for obstacle in snapshot.on_path),
-        is_threatened=stop is not None and _is_threat(stop, snapshot),
+        view=view,
+        speeds=_speeds(snapshot) | ({foe.user.id: foe.user.speed for foe in snapshot.foes} if asks else {}),
+        judged={(one.foe.user.id, one.region): one for one in rules.judged},
+        exits=rules.exits,
         regions=regions,
-        stages=stages,
+        stages=_stages(snapshot, plan, ahead, regions),
         is_standing=snapshot.ego.speed < STANDING_SPEED,
         is_off_nominal=_is_off_nominal(snapshot, plan),
         is_seeking=is_seeking,
-        is_watchful=is_watchful,
         is_settled=is_settled,
         asks=asks,
         halts=_halts(snapshot, plan, ahead, memory),
-        asked=rules.gist,
-        trusted_until=snapshot.time + trust if watches and not is_settled else math.inf,
+        due=due,
     )
 
 
-def _others(snapshot: Snapshot, held: CompletedPlan, premises: Premises) -> list[Event]:
+def _others(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:
     """Return what the others and the lights have changed."""
     found: list[Event] = []
-    known = premises.lights
+    known = premises.view.snapshot.lights
     for light, letters in snapshot.lights.items():
         if known.get(light) != letters:
             found.append(Event(EventKind.LIGHT_CHANGE, light))
     if premises.is_settled:
         return found
-    speeds, trusted = _speeds(snapshot, premises.asks), premises.speeds
+    speeds, trusted = _speeds(snapshot), premises.speeds
     tolerance = snapshot.parameters.behaviour_tolerance
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
-        if speed == foreseen:
-            continue
         if foreseen is None:
             found.append(Event(EventKind.NEW_OBSTACLE, user_id))
-        elif speed < foreseen and user_id not in premises.heeded:
-            continue  # who did not matter does not when he slows down
         elif abs(speed - foreseen) > tolerance or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
     stop = held.stop
-    if stop is not None and _is_gone(stop, snapshot, premises, speeds):
+    if stop is not None and _is_gone(stop, speeds, premises):
         found.append(Event(EventKind.CAUSE_VANISHED, stop.cause))
+    found += [event for event in overturned(snapshot, memory, premises) if event not in found]
     return found
 
 
-def _is_gone(stop: TimeConstraint, snapshot: Snapshot, premises: Premises, speeds: Mapping[str, float]) -> bool:
-    """Whether the road user that the ego stops for is out of the way."""
-    if stop.cause not in premises.speeds:
-        return False
-    return stop.cause not in speeds or (premises.is_threatened and not _is_threat(stop, snapshot))
-
-
-def _is_threat(stop: TimeConstraint, snapshot: Snapshot) -> bool:
-    """Whether the road user that the ego stops for can reach the region that it stops before."""
-    return any(foe.user.id == stop.cause and foe.conflict.region.id == stop.region for foe in snapshot.foes)
+def _is_gone(stop: TimeConstraint, speeds: Mapping[str, float], premises: Premises) -> bool:
+    """Whether the road user in the corridor that the ego stops for is out of it."""
+    was_there = any(obstacle.user.id == stop.cause for obstacle in premises.view.snapshot.on_path)
+    return was_there and stop.cause not in speeds
 
 
 def _own(
@@ -158,12 +135,13 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
     """Return what is due: times that the plan or an instruction named, delays, want of progress."""
     found: list[Event] = []
     now = snapshot.time
-    if now >= premises.trusted_until - 1e-6:
-        found.append(Event(EventKind.FORECAST_EXPIRED))
+    found += (Event(kind) for kind, due in premises.due.items() if now >= due - 1e-6)
     if memory.serving_until is not None and now >= memory.serving_until:
         found.append(Event(EventKind.TIME_REACHED))
     if not premises.is_settled:
         found += _late(snapshot, held, memory)
+        if intent_of(held.stop, snapshot, memory) is not held.intent:
+            found.append(Event(EventKind.TIME_REACHED, held.stop.cause if held.stop else ""))
     if now - memory.progress_time > snapshot.parameters.no_progress_s * (memory.escapes + 1):
         found.append(Event(EventKind.NO_PROGRESS))
     if held.move is not None and held.move.is_over(snapshot.ego):
@@ -187,11 +165,8 @@ def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[
     return found
 
 
-def _speeds(snapshot: Snapshot, asks: bool) -> dict[str, float]:
-    speeds = {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
-    if asks:
-        speeds.update((foe.user.id, foe.user.speed) for foe in snapshot.foes)
-    return speeds
+def _speeds(snapshot: Snapshot) -> dict[str, float]:
+    return {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
 
 
 def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:

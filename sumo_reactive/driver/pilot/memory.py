@@ -3,45 +3,52 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction
+from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.pilot.passages import Exit, View
+from sumo_reactive.driver.pilot.rules.gaps import Judgement
 from sumo_reactive.driver.world.route import ScheduledStop
 
 
 class Premises(NamedTuple):
-    """What the pilot took for granted when it last decided, at `time` (s), on `plan`; what differs from it is an event.
+    """What the pilot took for granted when it last decided, on the `view` that it had; what differs from it is an event.
 
-    `lights`: letters by light. `speeds`: of every leader and foe by id, m/s, foreseen to stay. `heeded`: ids of those whose
-    motion it took into account. `is_threatened`: whether it stopped for a foe, at the region that he could reach.
-    `regions`: ids of those that somebody could reach. `stages`: how far the ego had come in each passage in sight, and how
-    many of the `regions` there it had reached. `is_seeking`: it sought a gap for a lane change. `is_watchful`: it rests on
-    the others' motion from moment to moment. `is_settled`: it rests on none of the others, for a light or a time decides.
-    `asks`: it rests on those who can reach a region, for the behaviour asks who goes first. `halts`: a stop of the route or
-    a turn in several moves is in reach. `asked`: what the highway code asked for. `trusted_until` (s): how long the forecast
-    of others holds.
+    `speeds`: of everybody in the corridor and of every foe by id, m/s. `judged`: what it made of each foe who matters at a
+    region, by the ids of both; `exits`: what it found behind the passages. `regions`: ids of those that somebody could
+    reach. `stages`: how far the ego had come in each passage in sight, and how many of the `regions` there it had reached.
+    `is_seeking`: it sought a gap for a lane change. `is_settled`: it rests on none of the others, for a light or a time
+    decides. `asks`: it rests on those who can reach a region, for the behaviour asks who goes first. `halts`: a stop of the
+    route or a turn in several moves is in reach. `due` (s): when it looks anew, whatever happens.
     """
 
-    plan: NominalPlan
-    time: float
-    lights: Mapping[str, str]
+    view: View
     speeds: Mapping[str, float]
-    heeded: frozenset[str]
-    is_threatened: bool
+    judged: Mapping[tuple[str, str], Judgement]
+    exits: tuple[Exit, ...]
     regions: frozenset[str]
     stages: tuple[tuple[int, ...], ...]
     is_standing: bool
     is_off_nominal: bool
     is_seeking: bool
-    is_watchful: bool
     is_settled: bool
     asks: bool
     halts: bool
-    asked: Hashable
-    trusted_until: float
+    due: Mapping[EventKind, float]
+
+    @property
+    def plan(self) -> NominalPlan:
+        """The nominal plan that it decided on."""
+        return self.view.plan
+
+    @property
+    def time(self) -> float:
+        """When it decided, s."""
+        return self.view.snapshot.time
 
 
 class Overtaking(NamedTuple):

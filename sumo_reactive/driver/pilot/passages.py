@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Conflict, Snapshot
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -73,6 +74,17 @@ class View(NamedTuple):
     def met(self) -> tuple[tuple[Crossing, tuple[Conflict, ...]], ...]:
         """The passages with their conflicts, the nearest first."""
         return tuple((way, conflicts) for way, (_, _, conflicts) in zip(self.ways, self.ahead, strict=True))
+
+
+class Exit(NamedTuple):
+    """What the ego found behind a passage: whether somebody takes the room there, whether it `waits` before the passage for
+    one of the `stops` behind."""
+
+    way: Crossing
+    conflicts: tuple[Conflict, ...]
+    stops: tuple[TimeConstraint, ...]
+    is_taken: bool
+    waits: bool
 
 
 def view_of(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, ahead: Ahead) -> View:

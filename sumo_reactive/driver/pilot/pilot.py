@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.assessment import Assessment
-from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Intent, Replanning, Request, Tuning
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning, Request, Tuning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
@@ -29,7 +29,7 @@ from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import View
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest_stop, unconditional_stop
-from sumo_reactive.driver.pilot.rules.region import kept_waiting
+from sumo_reactive.driver.pilot.rules.region import intent_of, kept_waiting
 from sumo_reactive.driver.pilot.schedule import Delays, adjusted
 from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
@@ -58,7 +58,7 @@ class Orders(NamedTuple):
 
 
 def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
-    """Remember, at every step, since when the ego stands and where it last got on."""
+    """Remember, at every step, since when the ego stands, where it last got on, and whom others keep waiting."""
     if snapshot.ego.speed >= STANDING_SPEED:
         if memory.standing_since is not None:
             memory = memory._replace(standing_since=None)
@@ -66,7 +66,7 @@ def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
         memory = memory._replace(standing_since=snapshot.time)
     if abs(snapshot.s - memory.progress_s) > snapshot.parameters.progress_m:
         memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, escapes=0)
-    return memory
+    return memory._replace(kept=kept_waiting(snapshot, memory)) if snapshot.foes else memory
 
 
 def decide(
@@ -102,10 +102,9 @@ def decide(
     if turning is not None:
         completed = replace(completed, move=turning.move)
     changing = situation.changing
-    watchful = bool(changing.slot or changing.stop or memory.overtaking or completed.sight or outlook.comes_over)
-    watchful |= view.plan.merging(snapshot.front) is not None
+    beside = bool(changing.slot or changing.stop or outlook.comes_over) or view.plan.merging(snapshot.front) is not None
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
-    premises = premises_of(view, completed, memory, asked, is_watchful=watchful, is_settled=settled)
+    premises = premises_of(view, completed, memory, asked, looks_beside=beside, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 
@@ -134,25 +133,6 @@ def _turn(situation: Situation) -> Turning | None:
         situation.snapshot, situation.plan, situation.stop, situation.memory,
         comes_over=situation.outlook.comes_over, is_stuck=is_stuck,
     )  # fmt: skip
-
-
-def may_confirm(snapshot: Snapshot, memory: PilotMemory) -> bool:
-    """Whether what the highway code asks for alone decides on a decision: of a moving ego that seeks nothing."""
-    premises = memory.premises
-    if premises is None or premises.is_watchful or premises.is_seeking:
-        return False
-    return snapshot.ego.speed >= STANDING_SPEED
-
-
-def confirm(view: View, held: CompletedPlan, memory: PilotMemory) -> PilotMemory | None:
-    """Return the memory with the others foreseen anew if the highway code asks an ego that `may_confirm` for the same as
-    before: then the plan `held` stays in force. None: the pilot must decide.
-    """
-    rules, after = ask(view, RULES[memory.behaviour].asks, None, memory)
-    if memory.premises is None or after != memory or rules.gist != memory.premises.asked:
-        return None
-    premises = premises_of(view, held, memory, rules, is_watchful=False, is_settled=False)
-    return memory._replace(premises=premises)
 
 
 def _changing(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
@@ -287,7 +267,7 @@ def _completed(
         instruction=orders.instruction,
         tuning=_tuning(orders.instruction, style, situation.limits.parameters),
         constraints=constraints,
-        intent=_intent(min(orders.stops, key=lambda stop: stop.s, default=None), situation),
+        intent=intent_of(min(orders.stops, key=lambda stop: stop.s, default=None), situation.snapshot, situation.memory),
         decisions=orders.decisions,
         request=orders.request,
         sight=_sight(situation, behaviour),
@@ -316,23 +296,3 @@ def _sight(situation: Situation, behaviour: Behaviour) -> float:
     """How far to look along the oncoming lane: far while the ego overtakes, or would if it had the gap."""
     wants = behaviour is Behaviour.OVERTAKING or (overtaking.follows_x(situation) and overtaking.is_legal(situation))
     return situation.limits.parameters.overtaking_sight_m if wants else 0.0
-
-
-def _intent(stop: TimeConstraint | None, situation: Situation) -> Intent:
-    if stop is None:
-        return Intent.DRIVE
-    if stop.reason is Reason.WAIT_FOR_TURN and not _lets_start(stop.cause, situation):
-        return Intent.GO_NEXT
-    return Intent.YIELD
-
-
-def _lets_start(user_id: str, situation: Situation) -> bool:
-    """Whether the ego waits for somebody whose turn it is and who still stands: others wait for who means to go next, and he
-    would wait for the ego. It means to go again shortly before it goes, should he not start."""
-    snapshot = situation.snapshot
-    user = next((foe.user for foe in snapshot.foes if foe.user.id == user_id), None)
-    if user is None or user.speed >= STANDING_SPEED:
-        return False
-    p = snapshot.parameters
-    patience = p.foe_patience_s - p.least_patience_s
-    return situation.memory.standing_for(snapshot.time) < patience or user.waiting_time < p.foe_patience_s + patience

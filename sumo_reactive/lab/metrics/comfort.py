@@ -86,21 +86,19 @@ class Comfort:
 
 
 class PilotActivity:
-    """Steps in which the pilot decided, runs of the highway code, share of the steps that needed neither, events by kind."""
+    """Runs of the pilot, share of the steps that needed none, events by kind."""
 
     def __init__(self) -> None:
-        self._steps = self._activations = self._asked = self._free = 0
+        self._steps = self._activations = self._free = 0
         self._events: Counter[EventKind] = Counter()
 
     def see(self, moment: Moment) -> None:
         """Add one step."""
         if moment.step.pilot is None:  # SUMO's own driver has none
             return
-        asked = moment.step.asked or 0
         self._steps += 1
         self._activations += moment.step.pilot
-        self._asked += asked
-        self._free += not (moment.step.pilot or asked)
+        self._free += not moment.step.pilot
         for event in moment.step.events:
             self._events[event.kind] += 1
 
@@ -109,7 +107,6 @@ class PilotActivity:
         steps = self._steps
         activity: Figures = {
             "pilot_activations": self._activations,
-            "highway_code_runs": self._asked,
             "pilot_free_share": round(self._free / steps, 4) if steps else None,
         }
         activity |= {event_key(kind): self._events[kind] for kind in EventKind}

@@ -196,17 +196,6 @@ def test_the_end_of_a_scheduled_stop_is_an_event():
     assert began <= reached.snapshot.time < began + 2 * PERIOD
 
 
-def test_a_forecast_that_is_too_old_is_an_event_while_somebody_could_come():
-    ego = before("four_way_priority", SOUTH_NORTH, 30.0, 10.0)
-    foe = ego.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
-    first = ego.step(foe)
-    until = first.drive.memory.premises.trusted_until
-    assert 100.0 < until <= 101.0
-    assert events_after(ego, first, [foe], time=until - 0.05) == ()
-    assert events_after(ego, first, [foe], time=until) == (Event(EventKind.FORECAST_EXPIRED),)
-    assert ego.step().drive.memory.premises.trusted_until == float("inf")
-
-
 def among(position: float, speed: float, then: float = math.nan) -> list[Step]:
     """Three seconds of a drive towards a crossing to which a foe comes, `position` m before its line, who has another
     speed `then` after half a second."""
@@ -220,24 +209,25 @@ def among(position: float, speed: float, then: float = math.nan) -> list[Step]:
     return ego.driven_among(foes, 3.0)
 
 
-def test_an_old_forecast_is_made_anew_without_the_pilot_as_long_as_the_code_asks_for_the_same():
-    steps = among(30.0, 13.0)
-    assert EventKind.FORECAST_EXPIRED not in kinds(steps)
-    assert len({step.drive.memory.premises.trusted_until for step in steps}) > 4
-    assert all(step.snapshot.foes for step in steps)
+def test_a_foe_who_goes_on_as_foreseen_is_no_event_until_he_has_cleared_the_region():
+    """13 m/s: the ego, which would be there 0.9 s behind him, means to come after him."""
+    assert kinds(among(30.0, 13.0)[:25]) == [EventKind.NEW_PLAN]
+    assert all(step.snapshot.foes for step in among(30.0, 13.0))
 
 
-def test_an_old_forecast_activates_the_pilot_when_the_code_asks_for_something_else():
+def test_a_gap_that_the_ego_waits_for_activates_the_pilot_when_it_opens():
     steps = among(40.0, 12.0)
-    (changed,) = [k for k, step in enumerate(steps) if EventKind.FORECAST_EXPIRED in kinds([step])]
-    assert steps[changed - 1].completed.stop.cause == "foe"
-    assert steps[changed].completed.stop is None
+    (opened,) = [k for k, step in enumerate(steps) if Event(EventKind.GAP_OPENED, "foe") in step.completed.events]
+    assert (steps[opened - 1].completed.stop.cause, steps[opened].completed.stop) == ("foe", None)
+    assert kinds(steps[:opened]) == [EventKind.NEW_PLAN]
 
 
-@pytest.mark.parametrize(("then", "activates"), [(11.0, False), (20.0, True)])
-def test_a_foe_who_does_something_else_activates_the_pilot_if_that_changes_what_the_code_asks(then, activates):
+@pytest.mark.parametrize(
+    ("then", "kind"), [(12.5, None), (11.0, EventKind.OTHER_BEHAVIOUR), (20.0, EventKind.GAP_CLOSED)]
+)
+def test_a_foe_who_does_something_else_activates_the_pilot_if_that_changes_when_or_whether_the_ego_may_go(then, kind):
     steps = among(100.0, 13.0, then)
-    assert (Event(EventKind.OTHER_BEHAVIOUR, "foe") in [e for step in steps for e in step.completed.events]) is activates
+    assert kinds(steps[:6]) == [EventKind.NEW_PLAN, *([] if kind is None else [kind])]
 
 
 def test_want_of_progress_is_an_event(alone):

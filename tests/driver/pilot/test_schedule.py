@@ -21,7 +21,8 @@ def planned(ego):
     """The pilot's memory of a plan that it has accepted when it was on time."""
     on_time = before("four_way_priority", ("from_west", "to_east"), 120.0, 10.0)
     memory = on_time.step().drive.memory
-    return memory._replace(premises=memory.premises._replace(plan=ego.plan), schedule=ego.plan.time_constraints)
+    premises = memory.premises._replace(view=memory.premises.view._replace(plan=ego.plan))
+    return memory._replace(premises=premises, schedule=ego.plan.time_constraints)
 
 
 def later_by(ego, found) -> list[float]:

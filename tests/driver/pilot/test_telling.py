@@ -121,7 +121,9 @@ CLAIMED from_south_0->to_west_0|from_east_0->to_west_0 from_east
 7 regions
 FAILURE late 1.00 for 0.00
 meets from_west at 102.25 4.07 161.01 156.82
-rests on from_east from_west for 0.40 is_threatened is_standing asks
+rests on from_east from_west is_standing asks
+from_east at from_south_0->to_west_0|from_east_0->to_west_0
+from_west at from_south_0->to_west_0|from_west_0->to_east_0
 2 can be reached, stages (2, 0, 0)
 may go by from_south_0->to_west_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -133,7 +135,9 @@ CROSSING passes YIELD_TO from_south_0->to_north_0|from_west_0->to_east_0 from_we
 - arrival_s 2.36 clearance_s 2.81 foe_arrival_s 5.71 foe_clearance_s 9.32
 6 regions
 FINE late 0.34 for 0.00
-rests on from_east from_west for 0.40 asks
+rests on from_east from_west asks
+from_east at from_south_0->to_north_0|from_east_0->to_west_0
+from_west at from_south_0->to_north_0|from_west_0->to_east_0
 2 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -149,7 +153,8 @@ OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
 6 regions
 FAILURE late 6.05 for 0.00
 meets inside at 102.27 4.50 161.60 157.30
-rests on inside for 0.40 is_threatened asks
+rests on inside asks
+inside at from_south_0->to_north_0|from_west_0->to_east_0
 1 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -166,7 +171,9 @@ OCCUPIED from_south_0->to_north_0|from_east_0->to_north_0 queue
 6 regions
 FAILURE late 5.27 for 0.00
 meets queue at 102.61 7.50 161.60 160.30
-rests on queue for 0.40 is_threatened asks
+rests on queue asks
+queue at from_south_0->to_north_0|from_east_0->to_north_0
+queue at from_south_0->to_north_0|from_west_0->to_north_0
 2 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -181,7 +188,8 @@ CLAIMED from_west_0->to_east_0|from_south_0->to_north_0 from_south
 6 regions
 FAILURE late 0.21 for 0.00
 meets from_south at 102.30 7.70 160.50 158.40
-rests on from_south for 0.40 is_threatened asks
+rests on from_south asks
+from_south at from_west_0->to_east_0|from_south_0->to_north_0
 1 can be reached, stages (1, 0, 0)
 may go by from_west_0->to_east_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -196,7 +204,8 @@ CLAIMED from_south_1->to_west_1|from_north_0->to_south_0 from_north
 4 regions
 FAILURE late 0.69 for 0.00
 meets from_north at 103.00 12.08 196.66 200.11
-rests on from_north for 0.40 is_threatened asks
+rests on from_north asks
+from_north at from_south_1->to_west_1|from_north_0->to_south_0
 1 can be reached, stages (1, 0, 0)
 may go by from_south_1->to_west_1 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -208,7 +217,7 @@ CROSSING passes YELLOW_TOO_CLOSE centre
 - to_line_m 15.00 braking_needed_m_s2 5.63
 5 regions
 FINE late 0.21 for 0.00
-rests on for inf asks
+rests on asks
 0 can be reached, stages (1, 0, 0)
 may go by 100.00 ('from_south_0->to_north_0', 100.0) stopped at
 delay 0.00 on 100.00 0
@@ -220,7 +229,7 @@ tuned 10.00 1.00 1.00
 CAUTIOUS because RED_LIGHT centre
 5 regions
 DEGRADED late 5.83 for 0.00
-rests on for inf asks
+rests on asks
 0 can be reached, stages (1, 0, 0)
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -233,7 +242,8 @@ CROSSING passes YIELD_TO from_south_0->to_north_0|from_west_0->to_east_0 from_we
 - arrival_s 2.36 clearance_s 2.81 foe_arrival_s 1.01 foe_clearance_s 1.58
 6 regions
 FINE late 0.34 for 0.00
-rests on from_west for 0.40 asks
+rests on from_west asks
+from_west at from_south_0->to_north_0|from_west_0->to_east_0
 1 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -243,7 +253,7 @@ NORMAL: FOLLOW_CURVE, DRIVE
 tuned 10.00 1.00 1.00
 6 regions
 FINE late 0.34 for 0.00
-rests on for inf
+rests on
 1 can be reached, stages (0, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -255,7 +265,7 @@ tuned 10.00 1.00 1.00
 CAUTIOUS because RED_LIGHT centre
 5 regions
 DEGRADED late 7.12 for 0.00
-rests on for inf is_standing is_settled asks
+rests on is_standing is_settled asks
 0 can be reached, stages (2, 0, 0)
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -270,7 +280,8 @@ CLAIMED from_west_0->to_east_0|from_north_0->to_south_0 from_north
 6 regions
 FAILURE late 0.80 for 0.00
 meets from_north at 102.35 4.50 137.30 138.40
-rests on from_north for 0.40 is_threatened is_standing asks
+rests on from_north from_south is_standing asks
+from_north at from_west_0->to_east_0|from_north_0->to_south_0
 2 can be reached, stages (2, 0, 0)
 may go by from_west_0->to_east_0 100.00 stopped at from_west_0->to_east_0
 delay 0.00 on 100.00 0
@@ -282,7 +293,7 @@ tuned 10.00 1.00 1.00
 CAUTIOUS because STOP_SIGN
 6 regions
 DEGRADED late 5.22 for 0.00
-rests on for inf asks
+rests on asks
 0 can be reached, stages (1, 0, 0)
 may go by from_west_0->to_east_0 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -292,7 +303,7 @@ CAUTIOUS: APPROACH, DRIVE
 tuned 10.00 1.00 1.00
 6 regions
 FINE late 0.80 for 0.00
-rests on for inf is_standing asks
+rests on is_standing asks
 0 can be reached, stages (2, 0, 0)
 may go by from_west_0->to_east_0 100.00 stopped at from_west_0->to_east_0
 delay 0.00 on 100.00 0
@@ -307,7 +318,7 @@ OWN from_south_0->to_north_0|from_west_0->to_north_0
 OWN from_south_0->to_north_0|from_east_0->to_west_0
 6 regions
 FINE late 1.04 for 14.40
-rests on for 0.40 is_off_nominal asks
+rests on from_west is_off_nominal asks
 1 can be reached, stages (3, 0, 1)
 may go by 102.00 stopped at
 delay 0.25 on 102.00 0
@@ -322,7 +333,8 @@ CLAIMED from_south_0->to_north_0|from_east_0->to_west_0 from_east
 6 regions
 FAILURE late 0.25 for 0.00
 meets from_east at 102.53 7.70 121.60 120.50
-rests on from_east for 0.40 is_threatened asks
+rests on from_east from_west asks
+from_east at from_south_0->to_north_0|from_east_0->to_west_0
 2 can be reached, stages (1, 0, 0)
 may go by from_south_0->to_north_0 100.00 stopped at
 delay 0.00 on 100.00 0

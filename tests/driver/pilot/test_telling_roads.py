@@ -176,7 +176,7 @@ tuned 10.00 1.00 1.00
 NORMAL passes FOLLOWS x
 0 regions
 DEGRADED late 6.42 for 0.00
-rests on x for 0.40 is_watchful
+rests on x PASS_TRIED in 1.50
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0
@@ -190,7 +190,7 @@ tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 6.42 for 0.00
-rests on x for 0.40 is_watchful asks
+rests on x asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -202,7 +202,7 @@ tuned 10.00 1.00 1.00
 OVERTAKING because NO_ROOM_TO_PASS comes x
 0 regions
 DEGRADED late 6.42 for 0.00
-rests on x for 0.40 is_watchful
+rests on x PASS_TRIED in 1.50
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0
@@ -214,7 +214,7 @@ tuned 10.00 1.00 1.00
 OVERTAKING because NO_ROOM_TO_PASS the road ahead is too short x
 0 regions
 DEGRADED late 6.42 for 0.00
-rests on x for 0.40 is_watchful
+rests on x PASS_TRIED in 1.50
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0
@@ -228,7 +228,7 @@ tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 6.41 for 0.00
-rests on x for 0.40 is_watchful asks
+rests on x asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -242,7 +242,7 @@ tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 6.41 for 0.00
-rests on x for 0.40 is_watchful asks
+rests on x asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -256,7 +256,7 @@ tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 DEGRADED late 5.93 for 0.00
-rests on x for 0.40 is_watchful asks
+rests on x asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 100.00 OVERTAKE
@@ -270,7 +270,7 @@ tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 FINE late 0.33 for 0.00
-rests on for 0.40 is_watchful asks
+rests on asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 OVERTAKE
@@ -284,7 +284,7 @@ OVERTAKING because GAP_LOST c230
 0 regions
 FAILURE late 0.33 for 0.00
 meets c230 at 103.00 -545.73 295.21 100.90
-rests on c230 for 0.40 is_watchful asks
+rests on c230 asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 FALL_BACK
@@ -298,7 +298,7 @@ OVERTAKING because GAP_LOST c190
 0 regions
 FAILURE late 0.33 for 0.00
 meets c190 at 102.00 -565.85 275.09 100.90
-rests on c190 for 0.40 is_watchful asks
+rests on c190 asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 OVERTAKE
@@ -311,7 +311,7 @@ tuned 10.00 1.00 1.00
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 FINE late 0.33 for 0.00
-rests on for 0.40 is_watchful asks
+rests on asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 RETURN
@@ -323,7 +323,7 @@ tuned 10.00 1.00 1.00
 OVERTAKING passes SLOW_AHEAD x
 0 regions
 FINE late 0.33 for 0.00
-rests on for 0.40 is_watchful asks
+rests on asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 passing x 95.00 RETURN
@@ -337,7 +337,7 @@ STOPPING because BLOCKED x
 NORMAL passes FOLLOWS x
 0 regions
 FINE late 4.39 for 0.00
-rests on x for 0.40 is_watchful
+rests on x PASS_TRIED in 1.50
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -351,7 +351,7 @@ NORMAL passes FOLLOWS x
 BACKING_UP because BLOCKED x
 0 regions
 DEGRADED late 7.12 for 0.00
-rests on x for 0.40 is_standing is_watchful asks
+rests on x is_standing asks PASS_TRIED in 1.50
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -363,7 +363,7 @@ NORMAL passes FOLLOWS x
 STOPPING because BLOCKED x
 0 regions
 DEGRADED late 7.22 for 0.00
-rests on x for inf is_standing
+rests on x is_standing
 0 can be reached, stages
 may go by 100.10 stopped at
 delay 0.00 on 0.00 1
@@ -375,7 +375,7 @@ tuned 10.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions
 FINE late 1.06 for 0.00
-rests on for inf is_standing
+rests on is_standing
 0 can be reached, stages
 may go by 100.10 stopped at
 delay 0.00 on 0.00 1
@@ -386,7 +386,7 @@ tuned 4.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions
 FINE late 1.06 for 0.00
-rests on for inf is_standing
+rests on is_standing
 0 can be reached, stages
 may go by 100.10 stopped at
 delay 0.00 on 0.00 2
@@ -397,7 +397,7 @@ asks for CURVE -1 0
 tuned 10.00 1.00 1.00
 0 regions
 FINE late 0.25 for 0.00
-rests on for 0.40 is_seeking asks
+rests on is_seeking asks GAP_SOUGHT in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -410,7 +410,7 @@ tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FINE late 0.89 for 0.00
-rests on for 0.40 is_standing is_seeking is_watchful asks
+rests on is_standing is_seeking asks GAP_SOUGHT in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 waits since 20.00
@@ -425,7 +425,7 @@ CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FAILURE late 1.03 for 0.00
 meets beside at 103.40 -10.32 585.76 93.50
-rests on for 0.40 is_standing is_seeking is_watchful asks
+rests on is_standing is_seeking asks GAP_SOUGHT in 0.40
 0 can be reached, stages
 may go by road_before_exit_0->exit_0 100.00 stopped at
 delay 0.00 on 100.00 0 waits since 70.00
@@ -437,7 +437,7 @@ tuned 10.00 1.00 1.00
 STOPPING because SCHEDULED_STOP from_west_0
 0 regions
 DEGRADED late 6.74 for -99.00
-rests on for inf is_standing is_settled asks halts
+rests on is_standing is_settled asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 serves until 104.00
@@ -449,7 +449,7 @@ tuned 10.00 1.00 1.00
 TURNING_ROUND passes NARROW_TURN 2 moves
 0 regions
 FINE late 0.96 for 0.00
-rests on for inf is_standing asks halts
+rests on is_standing asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0 move (0, 0)
@@ -461,7 +461,7 @@ tuned 10.00 1.00 1.00
 TURNING_ROUND because NARROW_TURN
 0 regions
 FINE late 0.66 for 0.00
-rests on for inf asks halts
+rests on asks halts
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0

@@ -11,7 +11,7 @@ from helpers.turning_points import turns_at
 
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.constraint import stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Queue, Queued
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, ParallelLane, Turnaround
@@ -22,10 +22,9 @@ from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 from sumo_reactive.driver.pilot.behaviours.changing_queues import HEAD_STANDS_S, SWING_OUT_M, leave_queue
 from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
-from sumo_reactive.driver.pilot.events import detect, only_foes
+from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import view_of
-from sumo_reactive.driver.pilot.pilot import confirm, may_confirm, notice
+from sumo_reactive.driver.pilot.pilot import notice
 from sumo_reactive.driver.pilot.rules.region import ENTERING_M
 from sumo_reactive.driver.pilot.situation import LaneChanging
 from sumo_reactive.driver.view.ahead import passages_ahead
@@ -83,12 +82,6 @@ def other_changes(speed: float) -> bool:
     ego = road()
     x = ego.ahead("x", 55.0, 8.0)
     return EventKind.OTHER_BEHAVIOUR in events(ego, ego.seen(x._replace(speed=speed)), x)
-
-
-def trusts_for(ego: Situation, *users: RoadUser) -> float:
-    premises = first(ego, *users)[1].premises
-    assert premises is not None
-    return premises.trusted_until - premises.time
 
 
 def lights() -> Situation:
@@ -204,14 +197,6 @@ def test_on_the_way_the_pilots_word_turns_over_at(name):
     assert turns_at(holds, low, high) == pytest.approx(figure, abs=0.005)
 
 
-def test_near_a_junction_the_others_are_foreseen_anew_sooner_than_far_from_it_and_not_at_all_where_nobody_comes():
-    far, near = (ego_at("four_way_priority", SOUTH_NORTH, away, 8.0) for away in (60.0, 30.0))
-    approaching = far.remembering(behaviour=Behaviour.CAUTIOUS)
-    foe = far.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
-    assert (trusts_for(approaching, foe), trusts_for(near, foe)) == pytest.approx((USUAL.trust_ahead_s, USUAL.trust_s))
-    assert trusts_for(far, foe) == trusts_for(near) == float("inf")
-
-
 @pytest.mark.parametrize(
     ("way", "escapes"), [(USUAL.progress_m - 0.1, 2), (USUAL.progress_m + 0.1, 0), (-USUAL.progress_m - 0.1, 0)]
 )
@@ -222,39 +207,3 @@ def test_an_ego_that_gets_on_forgets_its_escapes(way, escapes):
     assert (found.escapes, found.standing_since) == (escapes, None)
     last = (snapshot.s, snapshot.time) if escapes == 0 else (snapshot.s - way, 7.0)
     assert (found.progress_s, found.progress_time) == last
-
-
-def test_what_only_foes_do_leaves_the_word_to_the_highway_code():
-    ego = minor()
-    snapshot = ego.seen(ego.ahead("x", 20.0, 8.0))
-    doings = (EventKind.FORECAST_EXPIRED, EventKind.OTHER_BEHAVIOUR, EventKind.NEW_OBSTACLE)
-    for kind in EventKind:
-        assert only_foes((Event(kind, "foe"),), snapshot) is (kind in doings)
-    assert not only_foes((Event(EventKind.OTHER_BEHAVIOUR, "foe"), Event(EventKind.OTHER_BEHAVIOUR, "x")), snapshot)
-
-
-def test_a_decision_is_confirmed_while_the_code_asks_a_moving_ego_for_the_same():
-    ego = ego_at("four_way_priority", SOUTH_NORTH, 30.0, 8.0)
-    foe = ego.other("foe", "from_west_0", -60.0, 8.0, WEST_EAST)
-    held, memory = first(ego, foe)
-    later = ego.seen(ego.later(foe, 0.4))._replace(time=100.4)
-    view = view_of(later, ego.plan, CAR, passages_ahead(ego.graph, ego.plan, ego.limits, later.passages))
-    found = confirm(view, held, memory)
-    assert found is not None and found.premises is not None and memory.premises is not None
-    assert (found.premises.time, found.premises.trusted_until) == pytest.approx((100.4, 100.4 + USUAL.trust_s))
-    kept = memory.premises._replace(time=100.4, trusted_until=found.premises.trusted_until)
-    assert found == memory._replace(premises=kept._replace(speeds=found.premises.speeds))
-    assert confirm(view._replace(snapshot=ego.seen()._replace(time=100.4)), held, memory) is None
-    assert confirm(view, held, memory._replace(premises=None)) is None
-
-
-@pytest.mark.parametrize(
-    ("what", "may"),
-    [({}, True), ({"is_watchful": True}, False), ({"is_seeking": True}, False), ({"is_standing": True}, True)],
-)
-def test_what_rests_on_more_than_the_code_is_not_confirmed(what, may):
-    memory = first(minor())[1]
-    assert memory.premises is not None
-    assert may_confirm(minor().seen(), memory._replace(premises=memory.premises._replace(**what))) is may
-    assert not may_confirm(minor().at_speed(0.05).seen(), memory)
-    assert not may_confirm(minor().seen(), PilotMemory())

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
-from dataclasses import replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -14,7 +12,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, 
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Crossing, View
+from sumo_reactive.driver.pilot.passages import Crossing, Exit, View
 from sumo_reactive.driver.pilot.rules import post_conflict, region, scheduled_stop, stop_line
 from sumo_reactive.driver.pilot.rules.gaps import Judgement
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -42,22 +40,16 @@ HIGHWAY_CODE: frozenset[Rule] = frozenset(Rule)
 
 class Rules(NamedTuple):
     """Every place to stop at, the decisions to go on although somebody comes, the regions of the next passage; `judged`:
-    the ids of the foes who matter at any passage; `arrivals`: when the ego may be where it goes after somebody; `met`: whom
-    it would meet first in a region if it went on."""
+    the foes who matter at any passage; `exits`: what is behind each; `arrivals`: when the ego may be where it goes after
+    somebody; `met`: whom it would meet first in a region if it went on."""
 
     stops: tuple[Wait, ...]
     passes: tuple[Decision, ...]
     regions: tuple[RegionState, ...]
-    judged: frozenset[str]
+    judged: tuple[Judgement, ...]
+    exits: tuple[Exit, ...] = ()
     arrivals: tuple[TimeConstraint, ...] = ()
     met: Encounter | None = None
-
-    @property
-    def gist(self) -> Hashable:
-        """Where to stop and why, whom to go before or after: the same as long as the ego has the same to do."""
-        passed = frozenset((decision.reason, decision.region, decision.cause) for decision in self.passes)
-        due = (*(stop for stop, _ in self.stops), *self.arrivals)
-        return tuple(replace(one, time=float(round(one.time))) if one.time < math.inf else one for one in due), passed
 
 
 def ask(
@@ -85,18 +77,21 @@ def ask(
         rules, memory = _passage(view, asked, way, conflicts, foes, memory)
         if way.number != shown:
             rules = rules._replace(regions=())
-        before = None
+        before, later = None, tuple(stop for stop, _ in stops)
         if Rule.POST_CONFLICT in asked:
-            before = post_conflict.wait_before(way, conflicts, (stop for stop, _ in stops), snapshot, memory, limits)
+            before = post_conflict.wait_before(way, conflicts, later, snapshot, memory, limits)
+            is_taken = any(stop.reason is Reason.EXIT_BLOCKED for stop, _ in rules.stops)
+            rules = rules._replace(exits=(Exit(way, conflicts, later, is_taken, before is not None),))
         stops.extend([] if before is None else [(before, decision_of(before))])
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
     passes = tuple(decision for rules in found for decision in rules.passes)
     regions = tuple(state for rules in found for state in rules.regions)
-    judged = frozenset(user_id for rules in found for user_id in rules.judged)
+    judged = tuple(one for rules in found for one in rules.judged)
+    exits = tuple(one for rules in found for one in rules.exits)
     arrivals = tuple(one for rules in found for one in rules.arrivals)
     first = next((rules.met for rules in found if rules.met is not None), None)
-    return Rules(tuple(stops), passes, regions, judged, arrivals, first), memory
+    return Rules(tuple(stops), passes, regions, judged, exits, arrivals, first), memory
 
 
 def _passage(
@@ -128,9 +123,9 @@ def _passage(
         stops.append((stop, decision_of(stop)))
     passes = tuple(judgement.decision for judgement, _ in found if judgement.passes and _is_worth_a_word(judgement))
     states = _states(way, conflicts, snapshot, limits, [judgement for judgement, _ in found])
-    judged = frozenset(judgement.foe.user.id for judgement, _ in found)
+    judged = tuple(judgement for judgement, _ in found)
     arrivals = () if waits else tuple(region.arrivals_of((judgement for judgement, _ in found), way, snapshot))
-    return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged, arrivals, met), memory
+    return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged, (), arrivals, met), memory
 
 
 def _is_worth_a_word(judgement: Judgement) -> bool:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.assessment import Encounter
+from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
@@ -182,6 +183,26 @@ def _foreseen(
     return passing(motion, earliest, to_region, to_clear, limits.length)
 
 
+def carried_on(
+    known: Judgement, before: tuple[float, float], crossing: Crossing, snapshot: Snapshot, limits: VehicleLimits
+) -> Passing:
+    """Foresee when the ego is in a region if it goes on now from what was `known` when its front and speed were as `before`
+    (m of C, m/s): by as much sooner or later as the least travel times have changed since."""
+    region, gains, (front, speed) = known.foe.conflict.region, limits.acceleration_in_plan, before
+    if crossing.turn is not None:
+        return turning(crossing.turn.start - snapshot.front, snapshot.ego.speed, gains, crossing.turn.duration)
+    start, clear = crossing.at(region.own.start), crossing.at(region.post.start) + limits.length
+
+    def later(place: float) -> float:
+        now = travel_time(place - snapshot.front, snapshot.ego.speed, gains, crossing.pace)
+        return now - travel_time(place - front, speed, gains, crossing.pace)
+
+    _, clearance, merged, pace = known.own
+    clearance, merged = clearance + later(clear), merged + later(start + limits.length)
+    earliest = travel_time(start - snapshot.front, snapshot.ego.speed, gains, crossing.pace)
+    return Passing(earliest, max(clearance, 0.0), max(merged, 0.0), pace)
+
+
 def judge(
     one: Counted, own: Passing, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
 ) -> Judgement:
@@ -349,3 +370,23 @@ def _place_to_wait(conflict: Conflict, crossing: Crossing, snapshot: Snapshot, l
     if snapshot.front > crossing.passage.start:
         places.append(crossing.at(conflict.region.own.start) - REGION_MARGIN_M)
     return next((place for place in places if place >= stops), None)
+
+
+def intent_of(stop: TimeConstraint | None, snapshot: Snapshot, memory: PilotMemory) -> Intent:
+    """Return what an ego that stops there (None: nowhere) shows the others: that it goes, goes next, or lets them go."""
+    if stop is None:
+        return Intent.DRIVE
+    if stop.reason is Reason.WAIT_FOR_TURN and not _lets_start(stop.cause, snapshot, memory):
+        return Intent.GO_NEXT
+    return Intent.YIELD
+
+
+def _lets_start(user_id: str, snapshot: Snapshot, memory: PilotMemory) -> bool:
+    """Whether the ego waits for somebody whose turn it is and who still stands: others wait for who means to go next, and he
+    would wait for the ego. It means to go again shortly before it goes, should he not start."""
+    user = next((foe.user for foe in snapshot.foes if foe.user.id == user_id), None)
+    if user is None or user.speed >= STANDING_SPEED:
+        return False
+    p = snapshot.parameters
+    patience = p.foe_patience_s - p.least_patience_s
+    return memory.standing_for(snapshot.time) < patience or user.waiting_time < p.foe_patience_s + patience
