@@ -170,14 +170,16 @@ class Controller:
 
 
 def moved(traffic: Traffic, duration: float) -> Traffic:
-    """Foresee the others `duration` s on: at constant speed along their heading."""
+    """Foresee the others `duration` s on: gaining or losing speed as they do, along their heading."""
     users = tuple(_moved(user, duration) for user in traffic.users)
     return replace(traffic, time=traffic.time + duration, users=users)
 
 
 def _moved(user: RoadUser, duration: float) -> RoadUser:
-    way = user.speed * duration
+    speed = max(user.speed + user.acceleration * duration, 0.0)
+    way = 0.5 * (user.speed + speed) * duration
     return user._replace(
+        speed=speed,
         x=user.x + way * math.cos(user.heading),
         y=user.y + way * math.sin(user.heading),
         lane_position=user.lane_position + way,

@@ -72,6 +72,15 @@ def test_every_run_of_the_highway_code_is_one_of_the_pilot(ego, duration, monkey
     assert all(step.completed.events for step in steps if step.runs)
 
 
+@pytest.mark.parametrize(("gains", "speed", "way"), [(0.0, 6.0, 3.0), (-4.0, 4.0, 2.5), (2.0, 7.0, 3.25), (-20.0, 0.0, 1.5)])
+def test_within_a_coarse_step_the_others_go_on_gaining_or_losing_speed(ego, gains, speed, way):
+    """Who brakes to wait at 0.5 s would else be taken for one who does not, in every second control step."""
+    x = ego.other("x", "from_west_0", -60.0, 6.0, ("from_west", "to_east"))._replace(acceleration=gains)
+    (later,) = moved(Traffic(ego.time, (x,), {}), 0.5).users
+    assert (later.speed, later.lane_position - x.lane_position) == pytest.approx((speed, way))
+    assert (later.x - x.x, later.y - x.y) == pytest.approx((way, 0.0), abs=1e-6)
+
+
 def test_equal_input_gives_equal_output(ego):
     west = ego.other("west", "from_west_0", -40.0, 10.0, ("from_west", "to_east"))
     traffic = Traffic(ego.time, (west, car_at("stray", 150.0, 130.0, 0.3, 1.0)), {})
