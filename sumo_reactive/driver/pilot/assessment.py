@@ -29,10 +29,6 @@ ASSESSMENT_STEP_S = 0.2
 """Step of the simulation ahead: 2.8 m at city speed, less than a car's length."""
 
 
-NO_LEADERS: Floats = np.empty((0, 3))
-"""No leaders."""
-
-
 class Way(NamedTuple):
     """What the front axle is to follow: samples x, y, heading (n,) `step` m apart, and the speeds allowed there, m/s.
 

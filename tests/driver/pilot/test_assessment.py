@@ -15,7 +15,6 @@ from sumo_reactive.driver.nouns.forecast import Forecast
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.assessment import (
     ASSESSMENT_STEP_S,
-    NO_LEADERS,
     assess,
     passing,
     simulate,
@@ -197,7 +196,7 @@ def simulated(speed: float, stop: float | None = None, duration: float = 8.0):
     """The motion of an ego with its bumper at x = 10 m on a straight road where 10 m/s are allowed."""
     snapshot = seen(on_curve(ROAD.curve, FRONT, speed), ROAD, FRONT - CAR.front_overhang)
     way = way_of(ROAD) if stop is None else way_of(ROAD, stop)
-    return simulate(snapshot, way, NO_LEADERS, CAR, duration)
+    return simulate(snapshot, way, np.empty((0, 3)), CAR, duration)
 
 
 def test_who_starts_is_foreseen_to_speed_up_as_the_executor_does():

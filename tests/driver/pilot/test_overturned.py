@@ -91,6 +91,19 @@ def test_room_behind_that_is_taken_or_free_again_is_an_event():
     assert after(ego, (gone,), (queue,)) == [Event(EventKind.ROOM_BEHIND, junction)]
 
 
+def test_the_ego_leaves_a_region_later_behind_somebody_who_is_slow():
+    """It would else go before a pedestrian, and come to a stand in his way."""
+    foe, slow = on(ROLLING, WEST_EAST, 90.0, 12.0), ROLLING.ahead("slow", 12.0, 3.0)
+    clears = []
+    for others in ((foe,), (foe, slow)):
+        snapshot = ROLLING.seen(*others)
+        view = view_of(snapshot, ROLLING.plan, CAR, passages_ahead(ROLLING.graph, ROLLING.plan, CAR, snapshot.passages))
+        of_foe = (one for one, _ in judgements(view.ways[0], snapshot.foes, view, ROLLING.memory))
+        clears.append(next(one.own.clearance for one in of_foe if one.foe.user.id == foe.id))
+    alone, behind = clears
+    assert behind > alone + 2.0
+
+
 @pytest.mark.parametrize(("away", "speed"), [(30.0, 10.0), (20.0, 6.0)])
 @pytest.mark.parametrize(("seconds", "within"), [(0.1, 1e-9), (0.6, 0.1), (1.1, 0.2)])
 def test_the_egos_own_times_are_carried_on_to_within_less_than_what_is_tolerated(away, speed, seconds, within):

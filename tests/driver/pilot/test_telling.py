@@ -147,7 +147,7 @@ CAUTIOUS: STOP, YIELD
 stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
 tuned 10.00 1.00 1.00
 CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
-- arrival_s 2.27 clearance_s 2.85 foe_arrival_s 0.00 foe_clearance_s 56.00
+- arrival_s 2.27 clearance_s 91.80 foe_arrival_s 0.00 foe_clearance_s 56.00
 CAUTIOUS because EXIT_BLOCKED from_south_0->to_north_0 inside
 OCCUPIED from_south_0->to_north_0|from_west_0->to_east_0 inside
 6 regions
@@ -161,16 +161,19 @@ delay 0.00 on 100.00 0
 """,
     no_room_behind: """
 CAUTIOUS: STOP, YIELD
-stop at 0.00 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
+stop at 0.00 EXIT_BLOCKED from_south_0->to_north_0 queue
+from 7.50 until 100.50 REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
+from 9.10 until 100.50 REGION_OCCUPIED from_south_0->to_north_0|from_east_0->to_north_0 queue
 tuned 10.00 1.00 1.00
-CAUTIOUS because REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
-- arrival_s 2.61 clearance_s 3.48 foe_arrival_s 0.00 foe_clearance_s 12.00
 CAUTIOUS because EXIT_BLOCKED from_south_0->to_north_0 queue
+CROSSING passes REGION_OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
+- arrival_s 2.61 clearance_s 83.81 foe_arrival_s 0.00 foe_clearance_s 12.00
+CROSSING passes REGION_OCCUPIED from_south_0->to_north_0|from_east_0->to_north_0 queue
+- arrival_s 2.75 clearance_s 83.81 foe_arrival_s 0.00 foe_clearance_s 12.00
 OCCUPIED from_south_0->to_north_0|from_west_0->to_north_0 queue
 OCCUPIED from_south_0->to_north_0|from_east_0->to_north_0 queue
 6 regions
-FAILURE late 5.27 for 0.00
-meets queue at 102.61 7.50 161.60 160.30
+DEGRADED late 5.27 for 0.00
 rests on queue asks
 queue at from_south_0->to_north_0|from_east_0->to_north_0
 queue at from_south_0->to_north_0|from_west_0->to_north_0

@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
-from sumo_reactive.driver.pilot.assessment import NO_LEADERS, passing, simulate, way_of, would_meet
+from sumo_reactive.driver.pilot.assessment import leader_table, passing, simulate, way_of, would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
 from sumo_reactive.driver.pilot.rules.gaps import Judgement, Passing, follows_at, threat, turning
@@ -88,10 +88,11 @@ def judgements(
 
 def _motions(crossing: Crossing, view: View) -> Motions:
     """Simulate an ego that goes on through a passage, and one that stops behind it where it means to."""
-    on = simulate(view.snapshot, way_of(view.plan), NO_LEADERS, view.limits, PASSAGE_FORESEEN_S)
+    leaders = leader_table(view.snapshot)
+    on = simulate(view.snapshot, way_of(view.plan), leaders, view.limits, PASSAGE_FORESEEN_S)
     if crossing.stop == math.inf:
         return Motions(on, on)
-    stopping = simulate(view.snapshot, way_of(view.plan, crossing.stop), NO_LEADERS, view.limits, PASSAGE_FORESEEN_S)
+    stopping = simulate(view.snapshot, way_of(view.plan, crossing.stop), leaders, view.limits, PASSAGE_FORESEEN_S)
     return Motions(on, stopping)
 
 
