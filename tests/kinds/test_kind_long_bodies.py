@@ -59,11 +59,22 @@ def test_who_swings_out_before_its_line_waits_on_its_own_lane_for_those_who_come
     ("kind", "angle", "radius", "first"),
     [("long", 135, 1.5, 4.5), ("trailer", 135, 1.5, 4.5), ("trailer", 150, 1.5, 3), ("long", 150, 4, 3)],
 )
-def test_who_is_crooked_behind_a_sharp_turn_waits_for_those_whose_line_it_covers_there(tmp_path, kind, angle, radius, first):
+def test_who_is_crooked_behind_a_sharp_turn_waits_for_whose_line_it_covers_there(tmp_path, kind, angle, radius, first):
     """They start far away and speed up as far as their road allows, though their turn allows less."""
     x = car("x", "eb ba", first, departSpeed=0)
     run = driven(tmp_path, fork(angle, radius), car("ego", "ab be", type=kind), x, extra=LONG, until=120)
     assert run.complaints(slower=3) == []
+
+
+@pytest.mark.parametrize("kind", ["long", "trailer"])
+def test_a_long_body_that_goes_straight_on_waits_for_nobody_on_the_ramp_beside_it(tmp_path, kind):
+    """Their ways lie over each other before both lines; it covers no more of the ramp than the map knows."""
+    nodes = node("a", -200, 0) + node("r", -140, -55) + node("b", 0, 0) + node("c", 150, 0)
+    roads = edge("ab", numLanes=2) + edge("rb") + edge("bc", numLanes=3)
+    ways = link("rb bc", "00") + link("ab bc", "01") + link("ab bc", "12")
+    others = stream("x", "rb bc", [3 * k for k in range(25)])
+    run = driven(tmp_path, Net(nodes, roads, ways), car("ego", "ab bc", 5, type=kind), others, extra=LONG, until=120)
+    assert run.complaints(slower=1.2) == []
 
 
 @pytest.mark.parametrize("kind", ["priority", "right_before_left"])

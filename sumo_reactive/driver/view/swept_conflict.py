@@ -35,8 +35,12 @@ _BODIES_STEP_M = 0.5
 """The body is laid along C this often."""
 
 
+BESIDE_OWN_WAY_M = 0.5
+"""A body that reaches this much farther beside its own way than one that is straight on it covers what is there."""
+
+
 class _Bodies(NamedTuple):
-    """The body where its front is at `fronts` (n,), m of C: boxes (n,)."""
+    """The body, or a part of it, where its front is at `fronts` (n,), m of C: shapes (n,)."""
 
     fronts: Floats
     boxes: Any
@@ -72,19 +76,20 @@ def _conflicts(
         return
     line = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
     ground = shapely.buffer(shapely.box(*shapely.total_bounds(bodies.boxes)), 0.5 * SWEPT_WIDTH_M)
+    band = shapely.buffer(line, 0.5 * limits.width + BESIDE_OWN_WAY_M)
+    beside = bodies._replace(boxes=shapely.difference(bodies.boxes, band))
     known = {region.other_id for region in graph.regions_on(own)}
     reach = max(HOLD_BACK_REACH_M, limits.length)  # behind a sharp turn it is crooked for its length
     oncoming = {lane.id for lane in graph.oncoming(road_of(own.from_lane))}
     for other in junction.connections:
         if other.is_crossing or road_of(other.from_lane) == road_of(own.from_lane):
             continue
-        way = _other_way(graph, other, reach, at_line=other.id in known)
-        if line.distance(way.line) < SWEPT_WIDTH_M:  # ways that lie over each other behind the line: the map's own affair
-            way = _other_way(graph, other, reach, at_line=True)
-        ways = [way] if line.distance(way.line) >= SWEPT_WIDTH_M else []
-        ways += [_way_out(graph, other)] if other.to_lane in oncoming else []
-        near = (way for way in ways if ground.intersects(way.line))
-        regions = (_region(own, way, passage, bodies, limits.length) for way in near)
+        way, swept = _other_way(graph, other, reach, at_line=other.id in known), bodies
+        if line.distance(way.line) < SWEPT_WIDTH_M:  # they lie over each other: the map's affair, but for what is beside
+            way, swept = _other_way(graph, other, reach, at_line=True), beside
+        ways = [(way, swept), *([(_way_out(graph, other), bodies)] if other.to_lane in oncoming else [])]
+        near = (one for one in ways if ground.intersects(one[0].line))
+        regions = (_region(own, way, passage, swept, limits.length) for way, swept in near)
         first = junction.yielded_to_by(other)
         yield from (Conflict(one, other, must_yield=False, is_yielded_to=False, lets_pass=first) for one in regions if one)
 
