@@ -65,7 +65,8 @@ class Occupant(NamedTuple):
 class OccupiedLane(NamedTuple):
     """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives.
 
-    `waits`: it does not appear where somebody already is; `ways`: nor while somebody drives there, on that lane or these.
+    `waits`: it does not appear where somebody already is; `ways`: nor while somebody drives there, on that lane or these;
+    `is_early`: the body is not there yet, and who would have to brake hard for it goes first.
     """
 
     lane: Lane
@@ -75,6 +76,7 @@ class OccupiedLane(NamedTuple):
     edges: tuple[str, ...]
     waits: bool = False
     ways: tuple[str, ...] = ()
+    is_early: bool = False
 
 
 def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = math.inf) -> OccupiedLane | None:
@@ -91,8 +93,8 @@ def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = 
         lane = lane_in_change(by, s)
         if lane is not None:
             return OccupiedLane(lane, x, y, speed, edges)
-        lane = lane_off_tracked(by, s, stop)
-        return None if lane is None else OccupiedLane(lane, x, y, speed, edges, waits=True)
+        lane, is_early = lane_off_tracked(by, s, stop)
+        return None if lane is None else OccupiedLane(lane, x, y, speed, edges, waits=True, is_early=is_early)
     lane = _beside(graph, own.id, by.plan.aside.lateral)
     if lane is None or abs(lane.spine.project(x, y)[1]) >= 0.5 * (lane.width + by.limits.width) - OCCUPIED_LANE_M:
         return None
@@ -214,8 +216,8 @@ def lane_in_change(by: Occupant, s: float) -> Lane | None:
     return other if abs(d) <= abs(other.spine.project(*by.front)[1]) else lane
 
 
-def lane_off_tracked(by: Occupant, s: float, stop: float = math.inf) -> Lane | None:
-    """Return the lane beside the ego's that a long body covers in a bend, now or soon; None: there is none.
+def lane_off_tracked(by: Occupant, s: float, stop: float = math.inf) -> tuple[Lane | None, bool]:
+    """Return the lane beside the ego's that a long body covers in a bend, and whether only soon; None: there is none.
 
     The rear cuts to the inside of a bend, the front swings out of it. Who comes there from behind must see it before the
     body is across, but not while the ego means to `stop` before. `s`: arc length of the front axle on C, m.
@@ -225,8 +227,9 @@ def lane_off_tracked(by: Occupant, s: float, stop: float = math.inf) -> Lane | N
     for place in off_tracking_of(by.plan, graph, by.limits):
         if rear < place.end and place.start < ahead:
             beside = lane_at_side(graph, by.here.lane_id, place.left)
-            return graph.lanes[place.lane_id] if beside is None and place.lane_id.startswith(":") else beside
-    return None
+            lane = graph.lanes[place.lane_id] if beside is None and place.lane_id.startswith(":") else beside
+            return lane, front < place.start
+    return None, False
 
 
 def is_stand_in(vehicle_id: str) -> bool:
@@ -253,12 +256,15 @@ class StandIns:
         if place is None:
             self.hide()
             return
-        lane, x, y, speed, edges, waits, ways = place
+        lane, x, y, speed, edges, waits, ways, is_early = place
         s = min(lane.spine.project(x, y)[0], lane.spine.length - _BEFORE_END_M)
         if self._present and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._present:
-            if waits and _is_taken(lane, s / lane.scale, libsumo.vehicle.getLength(self._ego_id)):
+            length = libsumo.vehicle.getLength(self._ego_id)
+            if waits and _is_taken(lane, s / lane.scale, length):
+                return
+            if is_early and _is_forced(lane, s / lane.scale - length, speed):
                 return
             if ways and (self._is_driven(lane.id, s / lane.scale) or any(self._is_driven(way) for way in ways)):
                 return
@@ -319,3 +325,16 @@ def _is_taken(lane: Lane, position: float, length: float) -> bool:
     vehicle = libsumo.vehicle
     fronts = ((vehicle.getLanePosition(other), other) for other in libsumo.lane.getLastStepVehicleIDs(lane.id))
     return any(front > position - length and front - vehicle.getLength(other) < position for front, other in fronts)
+
+
+def _is_forced(lane: Lane, rear: float, speed: float) -> bool:
+    """Whether somebody behind `rear` (m) on `lane` would have to brake harder than he usually does for a body there at
+    `speed` (m/s)."""
+    vehicle, step = libsumo.vehicle, libsumo.simulation.getDeltaT()
+    for other in libsumo.lane.getLastStepVehicleIDs(lane.id):
+        own, usual, behind = vehicle.getSpeed(other), vehicle.getDecel(other), rear - vehicle.getLanePosition(other)
+        if own < STANDING_SPEED or behind < 0.0:
+            continue
+        if vehicle.getFollowSpeed(other, own, behind - vehicle.getMinGap(other), speed, usual) < own - usual * step:
+            return True
+    return False

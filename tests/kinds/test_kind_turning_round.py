@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from kinds import Net, Run, car, cross, driven, edge, node, situation, stream
+from kinds import Net, Run, car, cross, driven, edge, link, node, situation, stream
 
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.lab.simulation import run_trial
@@ -37,6 +37,14 @@ def stub(length: float) -> Net:
     places = {"w": (-80, 0), "a": (0, 0), "b": (length, 0), "e": (length + 80, 0), "n": (0, 80), "s": (length, -80)}
     roads = ("wa", "aw", "ab", "ba", "be", "eb", "an", "na", "bs", "sb")
     return Net("".join(node(name, *place) for name, place in places.items()), "".join(map(edge, roads)), options=())
+
+
+def wide() -> Net:
+    """Return a road of two lanes from w to e, back from its middle c, and off to v from its right lane."""
+    nodes = node("v", -150, -60) + node("w", -100, 0) + node("c", 0, 0, radius=2) + node("e", 100, 0)
+    roads = "".join(edge(ends, numLanes=2) for ends in ("wc", "cw", "ce", "ec")) + edge("wv")
+    ways = "".join(link(ends, lanes) for ends in ("wc ce", "ec cw") for lanes in ("00", "11"))
+    return Net(nodes, roads, ways + link("wc cw", "11") + link("cw wv"))
 
 
 def lost(run: Run) -> float:
@@ -98,3 +106,11 @@ def test_two_who_turn_left_towards_each_other_do_not_meet(tmp_path, late):
     through = stream("y", "ec cw", [0.0, 1.5])
     run = driven(tmp_path, small(), car("ego", "wc cn", 0), through, car("x", "ec cs", 3.0 + late))
     assert run.complaints(slower=3.0) == []
+
+
+@pytest.mark.parametrize("first", [0, 3, 4])
+def test_who_swings_out_for_a_turn_over_the_lane_beside_lets_those_pass_who_would_brake_hard_for_it(tmp_path, first):
+    """They see the ego on their lane two seconds before it is there, unless that would force them."""
+    others = stream("x", "wc ce", [first + 6 * k for k in range(6)], departLane=0)
+    run = driven(tmp_path, wide(), car("ego", "wc cw wv", 2, departLane=1), others, until=90)
+    assert run.complaints() == []

@@ -22,7 +22,7 @@ def in_change(graph, plan, here, x, y, s, limits):
 def cut_in_bend(graph, plan, here, s, speed, limits, stop=math.inf):
     """The lane that a body at `s` m of C, at `speed` m/s, cuts."""
     ego = VehicleState(Pose(0.0, 0.0, 0.0), speed, 0.0)
-    return stand_ins.lane_off_tracked(Occupant(graph, plan, here, ego, limits), s, stop)
+    return stand_ins.lane_off_tracked(Occupant(graph, plan, here, ego, limits), s, stop)[0]
 
 
 def behind(graph, plan, turn, ego, limits, edges):

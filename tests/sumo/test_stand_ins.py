@@ -113,6 +113,18 @@ def test_one_that_waits_does_not_appear_where_somebody_is(tmp_path, other_at, wa
         assert (ghosts.made == 1) is appears
 
 
+@pytest.mark.parametrize(
+    ("other_at", "is_early", "appears"), [(20, True, True), (49, True, False), (49, False, True), (75, True, True)]
+)
+def test_an_early_one_does_not_appear_before_somebody_who_would_brake_hard(tmp_path, other_at, is_early, appears):
+    """The ghost would drive at 5 m/s with its rear at 55 m; the other, at 10 m/s, is behind it or ahead."""
+    other = vehicle("other", "ab", departPos=other_at, departLane=1, departSpeed=10, type="plain")
+    with haunted(tmp_path, others=other) as (ghosts, lane):
+        at = libsumo.vehicle.getLanePosition("other") - (other_at - 60.0)
+        ghosts.show(OccupiedLane(lane, at, -4.0, 5.0, ("ab",), waits=True, is_early=is_early))
+        assert (ghosts.made == 1) is appears
+
+
 def test_two_ghosts_of_one_ego_are_told_apart_by_their_label(tmp_path):
     with haunted(tmp_path, label=".turning") as (ghosts, lane):
         ghosts.show(OccupiedLane(lane, 60.0, -4.0, 5.0, ("ab",)))
