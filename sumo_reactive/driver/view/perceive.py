@@ -10,7 +10,7 @@ import numpy as np
 from sumo_reactive.driver.geometry.curve import project_on_curve
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Neighbour, PathObstacle, Snapshot
+from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -62,7 +62,9 @@ def perceive(
     on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
     sight = in_sight(plan, front, ego.speed)
     sought = lane_sought(graph, plan, front)
-    off_tracking = None if sought else next_off_tracking(plan, graph, limits, s, front)
+    off_tracking = next_off_tracking(plan, graph, limits, s, front)
+    if sought and (off_tracking is None or not _comes_first(off_tracking, plan, front)):
+        off_tracking = None
     beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
@@ -80,6 +82,12 @@ def perceive(
         traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking, room,
         limits.parameters, traffic.switches,
     )  # fmt: skip
+
+
+def _comes_first(off_tracking: OffTracking, plan: NominalPlan, front: float) -> bool:
+    """Whether the body covers the lane beside before the next change of lanes begins."""
+    change = plan.next_change(front)
+    return change is not None and off_tracking.start < change.start
 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Floats:

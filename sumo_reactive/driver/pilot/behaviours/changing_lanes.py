@@ -71,10 +71,11 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     begun = just_begun(snapshot, plan)
     if begun is not None:
         return _called_off(snapshot, plan, begun, limits)
+    if snapshot.off_tracking is not None:
+        return _before_off_tracking(snapshot, snapshot.off_tracking, plan, limits, waited)
     change = pending_change(snapshot, plan)
     if change is None:
-        aside = snapshot.off_tracking
-        return LaneChanging() if aside is None else _before_off_tracking(snapshot, aside, plan, limits, waited)
+        return LaneChanging()
     blocker = _blocker(snapshot, limits, _urgency(snapshot, change.start - snapshot.front))
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
