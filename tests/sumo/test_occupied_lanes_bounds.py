@@ -190,7 +190,8 @@ def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
     assert asked == [(plan, road, CAR)]
     x, y = road.lanes[lane_id].spine.at(5.0)
     seen = occupied(road, plan, on(lane_id), ego_at(x, y, speed=speed), s, CAR, EDGES, stop)
-    there = found and OccupiedLane(found, pytest.approx(x), pytest.approx(y), speed, EDGES, waits=True, is_early=front < 50.0)
+    is_early = front < cut.start
+    there = found and OccupiedLane(found, pytest.approx(x), pytest.approx(y), speed, EDGES, waits=True, is_early=is_early)
     assert seen == there
 
 

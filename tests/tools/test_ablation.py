@@ -40,7 +40,7 @@ def test_without_the_regions_ahead_the_ego_yields_to_nobody(told):
 
 
 def test_without_events_the_highway_code_is_asked_more_often(told):
-    assert cells(told[0].stdout, "events")["rules asked (×)"] > 2.0
+    assert cells(told[0].stdout, "events")["pilot runs (×)"] > 2.0
 
 
 def test_without_u2_or_the_static_obstacles_somebody_is_passed_nearer():

@@ -6,7 +6,8 @@ import pytest
 from helpers.cars import BODY, CAR
 from helpers.situations import before
 
-from sumo_reactive.driver.nouns.snapshot import Foe, Snapshot
+from sumo_reactive.driver.nouns.snapshot import Foe, OffTracking, Snapshot
+from sumo_reactive.driver.view import perceive as room
 
 FROM_SOUTH = ("from_south", "to_west")
 PRIORITY = "four_way_priority"
@@ -111,6 +112,21 @@ def test_a_car_on_the_lane_that_the_route_needs_is_a_neighbour():
     beside = [ego.other(name, "road_before_exit_1", at, 14.0, ("road_before_exit",)) for name, at in places.items()]
     found = {n.user.id: n.ahead for n in ego.seen(*beside).neighbours}
     assert found == pytest.approx({"a": 20.0, "b": -40.0}, abs=0.5)
+
+
+@pytest.mark.parametrize(("behind", "is_first"), [(-1.0, True), (1.0, False)])
+def test_a_cut_into_the_lane_beside_is_looked_at_if_it_comes_before_the_change_that_the_route_needs(
+    monkeypatch, behind, is_first
+):
+    ego = before("multi_lane_road", ("road_before_exit", "exit"), 200.0, 15.0, lane=1)
+    left = ego.other("left", "road_before_exit_2", -200.0, 15.0, ())
+    right = ego.other("right", "road_before_exit_0", -200.0, 15.0, ())
+    change = ego.plan.next_change(0.0)
+    cut = OffTracking(change.start + behind, change.start + 9.0, True, "road_before_exit_2")
+    monkeypatch.setattr(room, "next_off_tracking", lambda *of: cut)
+    seen = ego.seen(left, right)
+    assert seen.off_tracking == (cut if is_first else None)
+    assert [neighbour.user.id for neighbour in seen.neighbours] == (["left"] if is_first else ["right"])
 
 
 def test_an_unknown_place_is_seen_but_means_nothing(ego):
