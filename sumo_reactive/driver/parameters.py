@@ -138,10 +138,11 @@ class Parameters:
     """Another road user is where he was foreseen as long as he clears a region less than this sooner or later."""
 
     trust_s: float = 0.4
-    """While a gap beside is sought, and while the ego passes somebody, the others are foreseen anew after this long."""
+    """While a gap beside is sought, while the ego passes somebody, and behind who stands, the others are foreseen anew after
+    this long."""
 
     retry_s: float = 1.5
-    """Whether somebody who could not be passed can be is tried out anew after this long."""
+    """Whether somebody who drives and could not be passed can be is tried out anew after this long."""
 
     progress_m: float = 3.0
     """Coming on means this far."""

@@ -19,6 +19,7 @@ from sumo_reactive.driver.pilot.passages import Ahead, View, reach_of
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules
 from sumo_reactive.driver.pilot.rules.region import ENTERING_M, intent_of
 from sumo_reactive.driver.pilot.rules.scheduled_stop import is_next
+from sumo_reactive.driver.pilot.situation import next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES
 
 FAR, NEAR, ENTERING, INSIDE = range(4)
@@ -58,7 +59,7 @@ def premises_of(
     if not is_settled and (is_seeking or looks_beside):
         due[EventKind.GAP_SOUGHT] = snapshot.time + p.trust_s
     if not is_settled and (memory.overtaking or made.sight):
-        due[EventKind.PASS_TRIED] = snapshot.time + (p.trust_s if memory.overtaking else p.retry_s)
+        due[EventKind.PASS_TRIED] = snapshot.time + (p.trust_s if memory.overtaking or _is_blocked(snapshot) else p.retry_s)
     return Premises(
         view=view,
         speeds=_speeds(snapshot) | ({foe.user.id: foe.user.speed for foe in snapshot.foes} if asks else {}),
@@ -74,6 +75,12 @@ def premises_of(
         halts=_halts(snapshot, plan, ahead, memory),
         due=due,
     )
+
+
+def _is_blocked(snapshot: Snapshot) -> bool:
+    """Whether somebody stands in the ego's way: the gap in which he can be passed is not to be missed."""
+    x = next_on_way(snapshot)
+    return x is not None and x.user.speed < STANDING_SPEED
 
 
 def _others(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:

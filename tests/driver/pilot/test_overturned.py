@@ -118,3 +118,13 @@ def test_the_egos_own_times_are_carried_on_to_within_less_than_what_is_tolerated
     own = [carried_on(one, start, views[1].ways[0], views[1].snapshot, CAR) for one in known[0]]
     assert [tuple(one[:3]) for one in own] == [pytest.approx(tuple(one.own[:3]), abs=within) for one in known[1]]
     assert own and within < USUAL.foreseen_tolerance_s
+
+
+@pytest.mark.parametrize(("speed", "after"), [(0.0, USUAL.trust_s), (3.0, USUAL.retry_s)])
+def test_the_gap_in_which_somebody_who_stands_can_be_passed_is_looked_for_more_often(speed, after):
+    """Somebody comes towards the ego: it cannot pass yet."""
+    ego = before("two_way_road", ("eastbound", "eastbound_out"), 200.0, 5.0)
+    oncoming = ego.other("comes", "westbound_0", -150.0, 12.0, ())
+    premises = ego.step(ego.ahead("x", 20.0, speed, halted=speed == 0.0), oncoming).drive.memory.premises
+    assert premises is not None
+    assert premises.due == {EventKind.PASS_TRIED: pytest.approx(ego.time + after)}

@@ -337,7 +337,7 @@ STOPPING because BLOCKED x
 NORMAL passes FOLLOWS x
 0 regions
 FINE late 4.39 for 0.00
-rests on x PASS_TRIED in 1.50
+rests on x PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
@@ -351,7 +351,7 @@ NORMAL passes FOLLOWS x
 BACKING_UP because BLOCKED x
 0 regions
 DEGRADED late 7.12 for 0.00
-rests on x is_standing asks PASS_TRIED in 1.50
+rests on x is_standing asks PASS_TRIED in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
 delay 0.00 on 100.00 0
