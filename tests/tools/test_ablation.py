@@ -39,7 +39,7 @@ def test_without_the_regions_ahead_the_ego_yields_to_nobody(told):
     assert lost["violations"] + lost["contacts"] > 0 > lost["standstill (s)"]
 
 
-def test_without_events_the_highway_code_is_asked_more_often(told):
+def test_without_events_the_pilot_runs_more_often(told):
     assert cells(told[0].stdout, "events")["pilot runs (×)"] > 2.0
 
 
@@ -52,7 +52,7 @@ def test_without_u2_or_the_static_obstacles_somebody_is_passed_nearer():
 
 def test_a_mechanism_that_is_not_there_loses_nothing(told):
     lost = cells(told[0].stdout, "rear control point")
-    assert lost.pop("rules asked (×)") == 1.0 and set(lost.values()) == {0.0}
+    assert lost.pop("pilot runs (×)") == 1.0 and set(lost.values()) == {0.0}
     assert "**rear control point R (§3.3.1)**: carries no weight yet." in told[0].stdout
 
 
