@@ -113,7 +113,7 @@ def test_explain_tells_to_whom_the_ego_yields_where_and_when(recording):
     assert (answer.returncode, answer.stderr) == (0, "")
     told = answer.stdout.splitlines()
     assert told[0].endswith("four_way_priority.toml: arrived without a violation.")
-    assert told[-1].startswith("The pilot decided in ")
+    assert told[-1].startswith("The pilot decided ")
     found = yields(recording)
     assert found
     for moment, vehicle, _ in found:
