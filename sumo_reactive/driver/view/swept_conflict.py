@@ -40,10 +40,11 @@ BESIDE_OWN_WAY_M = 0.5
 
 
 class _Bodies(NamedTuple):
-    """The body, or a part of it, where its front is at `fronts` (n,), m of C: shapes (n,)."""
+    """The body where its front is at `fronts` (n,), m of C: boxes (n,), and the `way` of its front axle there."""
 
     fronts: Floats
     boxes: Any
+    way: Any
 
 
 class _OtherWay(NamedTuple):
@@ -76,20 +77,18 @@ def _conflicts(
         return
     line = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
     ground = shapely.buffer(shapely.box(*shapely.total_bounds(bodies.boxes)), 0.5 * SWEPT_WIDTH_M)
-    band = shapely.buffer(line, 0.5 * limits.width + BESIDE_OWN_WAY_M)
-    beside = bodies._replace(boxes=shapely.difference(bodies.boxes, band))
     known = {region.other_id for region in graph.regions_on(own)}
     reach = max(HOLD_BACK_REACH_M, limits.length)  # behind a sharp turn it is crooked for its length
     oncoming = {lane.id for lane in graph.oncoming(road_of(own.from_lane))}
     for other in junction.connections:
         if other.is_crossing or road_of(other.from_lane) == road_of(own.from_lane):
             continue
-        way, swept = _other_way(graph, other, reach, at_line=other.id in known), bodies
-        if line.distance(way.line) < SWEPT_WIDTH_M:  # they lie over each other: the map's affair, but for what is beside
-            way, swept = _other_way(graph, other, reach, at_line=True), beside
-        ways = [(way, swept), *([(_way_out(graph, other), bodies)] if other.to_lane in oncoming else [])]
+        way, own_way = _other_way(graph, other, reach, at_line=other.id in known), None
+        if line.distance(way.line) < SWEPT_WIDTH_M:  # over each other: the map's affair, but for what is beside
+            way, own_way = _other_way(graph, other, reach, at_line=True), bodies.way
+        ways = [(way, own_way), *([(_way_out(graph, other), None)] if other.to_lane in oncoming else [])]
         near = (one for one in ways if ground.intersects(one[0].line))
-        regions = (_region(own, way, passage, swept, limits.length) for way, swept in near)
+        regions = (_region(own, way, passage, bodies, limits, own_way) for way, own_way in near)
         first = junction.yielded_to_by(other)
         yield from (Conflict(one, other, must_yield=False, is_yielded_to=False, lets_pass=first) for one in regions if one)
 
@@ -111,7 +110,8 @@ def _bodies(plan: NominalPlan, passage: Passage, limits: VehicleLimits) -> _Bodi
     corners = np.stack((front + aside, front - back + aside, front - back - aside, front - aside), axis=1)
     places = first + stride * np.arange(len(headings), dtype=np.float64)
     fronts: Floats = places * curve.step + limits.front_overhang
-    return _Bodies(fronts, shapely.polygons(corners))
+    way = shapely.linestrings(np.column_stack((curve.x[at], curve.y[at])))
+    return _Bodies(fronts, shapely.polygons(corners), way)
 
 
 def _other_way(graph: RoadGraph, other: Connection, reach: float, *, at_line: bool) -> _OtherWay:
@@ -129,16 +129,21 @@ def _way_out(graph: RoadGraph, other: Connection) -> _OtherWay:
     return _OtherWay(other, shapely.linestrings(graph.lanes[other.to_lane].spine.points), -other.path.length, "~~")
 
 
-def _region(own: Connection, way: _OtherWay, passage: Passage, bodies: _Bodies, length: float) -> ConflictRegion | None:
-    """Return where the body meets a car on another way; None: nowhere."""
+def _region(
+    own: Connection, way: _OtherWay, passage: Passage, bodies: _Bodies, limits: VehicleLimits, own_way: Any
+) -> ConflictRegion | None:
+    """Return where the body meets a car on another way, beside its `own_way` if that is given; None: nowhere."""
     band = shapely.buffer(way.line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
     at = np.flatnonzero(shapely.intersects(bodies.boxes, band))
+    met = shapely.intersection(bodies.boxes[at], band)
+    if own_way is not None and len(at):
+        met = shapely.difference(met, shapely.buffer(own_way, 0.5 * limits.width + BESIDE_OWN_WAY_M))
+        at, met = at[~shapely.is_empty(met)], met[~shapely.is_empty(met)]
     if not len(at):
         return None
-    met = shapely.intersection(bodies.boxes[at], band)
     corners = shapely.points(shapely.get_coordinates(met))
     along = shapely.line_locate_point(way.line, corners) - way.before
-    start, end = (_inside(float(front), passage, own) for front in (bodies.fronts[at[0]], bodies.fronts[at[-1]] - length))
+    start, end = (_inside(float(front), passage, own) for front in (bodies.fronts[at[0]], bodies.fronts[at[-1]] - limits.length))
     other, region_id = way.connection, f"{own.id}{way.mark}{way.connection.id}"
     return ConflictRegion(
         region_id, ConflictKind.CROSSING, own.id, other.id, Interval(start, max(start, end)),
