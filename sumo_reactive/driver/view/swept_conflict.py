@@ -143,7 +143,8 @@ def _region(
         return None
     corners = shapely.points(shapely.get_coordinates(met))
     along = shapely.line_locate_point(way.line, corners) - way.before
-    start, end = (_inside(float(front), passage, own) for front in (bodies.fronts[at[0]], bodies.fronts[at[-1]] - limits.length))
+    fronts = bodies.fronts[at[0]], bodies.fronts[at[-1]] - limits.length
+    start, end = (_inside(float(front), passage, own) for front in fronts)
     other, region_id = way.connection, f"{own.id}{way.mark}{way.connection.id}"
     return ConflictRegion(
         region_id, ConflictKind.CROSSING, own.id, other.id, Interval(start, max(start, end)),
