@@ -101,16 +101,21 @@ def test_a_ghost_that_sumo_has_taken_off_the_road_is_made_anew(tmp_path):
         assert present() == {}
 
 
+def shows(folder, other_at: float, speed: float, **how: bool) -> bool:
+    """Whether a ghost with its front at 60 m appears, somebody being on its lane at `other_at` m and so fast."""
+    other = vehicle("other", "ab", departPos=other_at, departLane=1, departSpeed=speed, type="plain")
+    with haunted(folder, others=other) as (ghosts, lane):
+        at = libsumo.vehicle.getLanePosition("other") - (other_at - 60.0)
+        ghosts.show(OccupiedLane(lane, at, -4.0, 5.0, ("ab",), **how))
+        return ghosts.made == 1
+
+
 @pytest.mark.parametrize(
     ("other_at", "waits", "appears"), [(60, True, False), (60, False, True), (63.9, True, False), (70, True, True)]
 )
 def test_one_that_waits_does_not_appear_where_somebody_is(tmp_path, other_at, waits, appears):
     """The ghost's front would be at 60 m, its rear at 55 m; the other is 5 m long."""
-    other = vehicle("other", "ab", departPos=other_at, departLane=1, departSpeed=0, type="plain")
-    with haunted(tmp_path, others=other) as (ghosts, lane):
-        at = libsumo.vehicle.getLanePosition("other") - (other_at - 60.0)
-        ghosts.show(OccupiedLane(lane, at, -4.0, 5.0, ("ab",), waits))
-        assert (ghosts.made == 1) is appears
+    assert shows(tmp_path, other_at, 0, waits=waits) is appears
 
 
 @pytest.mark.parametrize(
@@ -118,11 +123,7 @@ def test_one_that_waits_does_not_appear_where_somebody_is(tmp_path, other_at, wa
 )
 def test_an_early_one_does_not_appear_before_somebody_who_would_brake_hard(tmp_path, other_at, is_early, appears):
     """The ghost would drive at 5 m/s with its rear at 55 m; the other, at 10 m/s, is behind it or ahead."""
-    other = vehicle("other", "ab", departPos=other_at, departLane=1, departSpeed=10, type="plain")
-    with haunted(tmp_path, others=other) as (ghosts, lane):
-        at = libsumo.vehicle.getLanePosition("other") - (other_at - 60.0)
-        ghosts.show(OccupiedLane(lane, at, -4.0, 5.0, ("ab",), waits=True, is_early=is_early))
-        assert (ghosts.made == 1) is appears
+    assert shows(tmp_path, other_at, 10, waits=True, is_early=is_early) is appears
 
 
 def test_two_ghosts_of_one_ego_are_told_apart_by_their_label(tmp_path):
