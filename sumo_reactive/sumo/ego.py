@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-from dataclasses import replace
 from typing import Any
 
 import libsumo
@@ -113,7 +112,7 @@ class Ego:
         lane's own metres; from here on it is that over ground, also where it is announced: else the others would see the ego
         brake or speed up at once from lane to lane.
         """
-        state = state if lane.scale == 1.0 else replace(state, speed=state.speed * lane.scale)
+        state = state if lane.scale == 1.0 else state._replace(speed=state.speed * lane.scale)
         front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
         if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
             return state
@@ -123,7 +122,7 @@ class Ego:
         askew = wrapped(state.pose.heading - heading) * state.speed
         if askew * askew <= own.max_lateral_acceleration * (lane.width - own.width):  # drifts v²ε²/2a to the side
             return state
-        return replace(state, pose=pose_of(*front_of(state.pose, own), heading, own))
+        return state._replace(pose=pose_of(*front_of(state.pose, own), heading, own))
 
     def place(
         self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_unmapped: bool = False

@@ -113,7 +113,7 @@ def test_the_paper_passes_the_turn_within_its_lane(ego):
 
 @pytest.mark.parametrize(("aside", "turned"), [(0.0, 0.2), (0.0, -0.2)])
 def test_the_paper_starts_from_a_standstill_a_little_beside_its_curve(ego, aside, turned):
-    pose = replace(ego.ego.pose, x=ego.ego.pose.x + aside, heading=ego.ego.pose.heading + turned)
+    pose = ego.ego.pose._replace(x=ego.ego.pose.x + aside, heading=ego.ego.pose.heading + turned)
     beside = replace(ego, ego=VehicleState(pose, 0.0, 0.0))
     assert steps_of(beside, 0.1, 5.0, Profile.PAPER)[-1].drive.ego.speed > 1.0
 

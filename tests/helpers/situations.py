@@ -100,7 +100,7 @@ class Situation:
 
     def at_speed(self, speed: float) -> Situation:
         """Return the situation of an ego at the same place, on the same plan, at another speed."""
-        return replace(self, ego=replace(self.ego, speed=speed))
+        return replace(self, ego=self.ego._replace(speed=speed))
 
     def traffic(self, *users: RoadUser, sight: float = 0.0) -> Traffic:
         """Return what is observed without lights."""

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
@@ -18,10 +19,6 @@ PAPER_STEERING_SPEED = 4.0
 
 _STEERING_LEVELS = np.array([-1.0, -0.3, -0.06, 0.0, 0.06, 0.3, 1.0])
 """Cubically spaced levels: fine about a held wheel, where high speed needs it, full at the ends."""
-
-_JERK_LEVELS = np.array([-1.0, 0.0, 1.0])
-"""Levels within the comfortable change of acceleration."""
-
 
 ROUNDS = 3
 """The nodes of the last lattice lie 27 times as close as those of the first."""
@@ -67,12 +64,25 @@ def lattice(limits: VehicleLimits, speed: float, acceleration: float, period: fl
     Three accelerations span the comfortable jerk about the present `acceleration`, three brake ever harder. After harder
     braking than planned they lie about the planned one: an emergency ends at once.
     """
-    planned, emergency = limits.planned_deceleration, limits.emergency_deceleration
     change = limits.parameters.comfort_jerk * period
-    gentle = max(acceleration, -planned) + change * _JERK_LEVELS
-    hard = (-emergency, -0.5 * (planned + emergency), -planned)
-    nodes = np.unique(np.clip(np.concatenate((hard, gentle)), -emergency, limits.max_acceleration))
+    planned, emergency = limits.planned_deceleration, limits.emergency_deceleration
+    nodes = accelerations_about(acceleration, change, planned, emergency, limits.max_acceleration)
     return CommandGrid(nodes, steering_rate_limit(limits, speed) * _STEERING_LEVELS, ROUNDS)
+
+
+@kernel
+def accelerations_about(acceleration: float, change: float, planned: float, emergency: float, most: float) -> Floats:
+    """Return the accelerations (a,) of a lattice, m/s², rising: the present one, `change` to both sides of it, and from the
+    `planned` deceleration to that of an `emergency`; none beyond the latter, none above `most`."""
+    gentle = max(acceleration, -planned)
+    nodes = np.array([-emergency, -0.5 * (planned + emergency), -planned, gentle - change, gentle + 0.0, gentle + change])
+    nodes = np.sort(np.minimum(np.maximum(nodes, -emergency), most))
+    n = 1
+    for k in range(1, len(nodes)):
+        if nodes[k] > nodes[n - 1]:
+            nodes[n] = nodes[k]
+            n += 1
+    return nodes[:n]
 
 
 def wide_grid(limits: VehicleLimits) -> CommandGrid:

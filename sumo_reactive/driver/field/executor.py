@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +97,7 @@ def execute(
     wish = desired_speed(snapshot, completed, limits, period)
     wanted = without_jerk(wish, ego, period, limits.parameters.comfort_jerk)
     if wanted <= 0.0 and ego.speed == 0.0 and not nine_commands:  # there is nothing to choose
-        return Execution(Command(0.0, 0.0), replace(ego, acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
+        return Execution(Command(0.0, 0.0), ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
     grid = paper_grid(limits, ego.speed, period) if nine_commands else lattice(limits, ego.speed, ego.acceleration, period)
     if completed.tuning.wide_grid:
         grid = wide_grid(limits)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Reason
 
 
-@dataclass(frozen=True, slots=True)
-class TimeConstraint:
+class TimeConstraint(NamedTuple):
     """(l, t_l): the front bumper is not past arc length `s` (m of C) before `time` (s of simulation time), and there no
     faster than `speed` (m/s).
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 STANDING_SPEED = 0.1
 """m/s; SUMO counts a vehicle as waiting at or below it."""
@@ -12,8 +12,7 @@ CREEPING_SPEED = 1.0
 """m/s; who is slower than this creeps, and still waits."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(NamedTuple):
     """Configuration q of M (F&L 1991, §3.1): rear-axle midpoint (m) and heading (rad, counter-clockwise from x)."""
 
     x: float
@@ -25,8 +24,7 @@ class Pose:
         return self.x + distance * math.cos(self.heading), self.y + distance * math.sin(self.heading)
 
 
-@dataclass(frozen=True, slots=True)
-class VehicleState:
+class VehicleState(NamedTuple):
     """Pose of the rear axle, `speed` (m/s) and `steering_angle` (rad) of the velocity at the front axle.
 
     `acceleration` (m/s²) is the one last commanded; it lets the executor bound the jerk.
@@ -38,8 +36,7 @@ class VehicleState:
     acceleration: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """Motion command (v̇, φ̇): m/s² and rad/s."""
 
     acceleration: float

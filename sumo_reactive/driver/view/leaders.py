@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -151,7 +150,7 @@ def ahead_at_narrows(
             if first is not None:
                 leader = _ahead_by(first, max(left, 0.0), time, front, ego.speed, limits)
                 stop = narrow.start + limits.standstill_gap
-                yield replace(leader, s=min(leader.s, stop)) if narrow.is_long else leader
+                yield leader._replace(s=min(leader.s, stop)) if narrow.is_long else leader
 
 
 def _coming(

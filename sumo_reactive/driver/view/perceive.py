@@ -96,8 +96,8 @@ def _boxes(users: tuple[RoadUser, ...]) -> Floats:
         return _NO_BOXES
     flat: list[float] = []
     for user in users:
-        body = user.body
-        flat += (user.x, user.y, user.heading, user.speed, body.length, body.width)
+        flat += user[1:5]  # x, y, heading, speed: taken by place, for it is done for everybody at every step
+        flat += user.body[:2]  # length, width
     packed = bytearray(8 * len(flat))
     pack_into(f"{len(flat)}d", packed, 0, *flat)
     return np.frombuffer(packed).reshape(-1, 6)

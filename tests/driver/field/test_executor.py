@@ -1,7 +1,6 @@
 """One command from the potential field: within the limits, along C, before the stop, behind the leader (F&L 1991, §3.2)."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -180,7 +179,7 @@ def braked(
     speed: float, stop: float | None = None, leader: TimeConstraint | None = None, plan=ROAD, acceleration: float = 0.0
 ):
     """Return the execution of a car with its front bumper at 10 m."""
-    state = replace(on_curve(plan.curve, 10.0, speed), acceleration=acceleration)
+    state = on_curve(plan.curve, 10.0, speed)._replace(acceleration=acceleration)
     leaders = () if leader is None else (leader,)
     completed = asked(plan, None if stop is None else stop_at(stop, Reason.RED_LIGHT))
     return execute(seen(state, plan, 9.0, leaders=leaders), completed, CAR, 0.1)

@@ -96,7 +96,7 @@ def test_an_obstacle_beside_the_body_makes_the_exact_valley_steeper(side):
     """The side of the body is 1.1 m from it on C, half a metre off C 0.6 m on its side and 1.6 m on the other."""
     static = np.array([(50.0, side * 2.0)])
     for off, left in ((0.5, 0.6), (-0.5, 1.6)):
-        ego = replace(on_curve(ROAD.curve, 50.0, 1.0), pose=Pose(50.0 - CAR.wheelbase, side * off, 0.0))
+        ego = on_curve(ROAD.curve, 50.0, 1.0)._replace(pose=Pose(50.0 - CAR.wheelbase, side * off, 0.0))
         found = execute(seen(ego, ROAD, 50.0, static=static), asked(ROAD), CAR, 0.01).potentials
         assert found.valley == pytest.approx(0.5 * (USUAL.valley_attraction + USUAL.valley_repulsion / left), rel=0.1)
 
@@ -193,7 +193,7 @@ def test_the_wheels_are_held_where_no_steering_keeps_the_limits():
 
 
 def test_who_stands_and_has_to_stay_chooses_nothing():
-    ego = replace(on_curve(ROAD.curve, 10.0, 0.0), steering_angle=0.1, acceleration=-1.0)
+    ego = on_curve(ROAD.curve, 10.0, 0.0)._replace(steering_angle=0.1, acceleration=-1.0)
     found = execute(seen(ego, ROAD, 9.0), asked(ROAD, stop_at(10.0, Reason.RED_LIGHT)), CAR, 0.1)
-    assert found.command == Command(0.0, 0.0) and found.state == replace(ego, acceleration=0.0)
+    assert found.command == Command(0.0, 0.0) and found.state == ego._replace(acceleration=0.0)
     assert found.potentials == (0.0, 0.0, 0.0, 0.0)

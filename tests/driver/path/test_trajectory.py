@@ -198,7 +198,7 @@ def led_out(speed: float, offset: float, error: float) -> tuple[float, float]:
     and heads `error` rad farther out."""
     world = graph([road("a", [(0, 0), (400, 0)], speed=25.0)], [])
     start = start_on(world.lanes["a_0"], 60.0, speed, offset)
-    pose = replace(start.pose, heading=error, y=offset - CAR.wheelbase * math.sin(error))
+    pose = start.pose._replace(heading=error, y=offset - CAR.wheelbase * math.sin(error))
     found = plan(world, Route(("a",)), CAR, replace(start, pose=pose)).curve
     return float(np.abs(found.y).max()), float(np.abs(found.curvature).max())
 

@@ -96,7 +96,7 @@ def test_a_car_past_the_beginning_of_the_moves_begins_where_it_can_stop_unless_i
     found = plan(world, Route(("a", "b"), None, None, ()), CAR, start)
     (turn,) = found.turnarounds
     assert turn.start == pytest.approx(CAR.front_overhang + 1.5**2 / 9.0 + CAR.parameters.stop_line_margin_m, abs=0.15)
-    askew = replace(start, pose=replace(start.pose, heading=0.3))
+    askew = replace(start, pose=start.pose._replace(heading=0.3))
     assert plan(world, Route(("a", "b"), None, None, ()), CAR, askew).turnarounds == ()
 
 

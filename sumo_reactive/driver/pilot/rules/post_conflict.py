@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
@@ -141,7 +140,7 @@ def wait_before(
     first = min(inside, key=lambda stop: stop.s, default=None)
     if first is None or (first.reason in _LIGHTS and memory.lost == way.connection.id):
         return None
-    return replace(first, s=way.line)
+    return first._replace(s=way.line)
 
 
 def clear_of(
@@ -159,4 +158,4 @@ def clear_of(
     places = (is_clear_at(way, conflicts, limits) for way, conflicts in ways if way.passage.start < front)
     clear = max((place for place in places if place is not None), default=-math.inf)
     farthest = change.start + CALL_OFF_SHARE * (change.end - change.start)
-    return replace(stop, s=max(stop.s, min(clear, farthest)))
+    return stop._replace(s=max(stop.s, min(clear, farthest)))
