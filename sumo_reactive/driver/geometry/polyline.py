@@ -35,7 +35,7 @@ class Polyline:
         steps = np.hypot(*np.diff(self.points, axis=0).T)
         return np.concatenate(([0.0], np.cumsum(steps)))
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Total arc length, m."""
         return float(self.arc_lengths[-1])

@@ -78,7 +78,7 @@ def _behind(snapshot: Snapshot, memory: PilotMemory, premises: Premises) -> Iter
 
 
 def _exit(known: Exit, snapshot: Snapshot, memory: PilotMemory, premises: Premises) -> Exit:
-    way, conflicts, stops, limits = known.way, known.conflicts, known.stops, premises.view.limits
-    blocker = taken_by(way, conflicts, snapshot, memory, limits)
-    waits = wait_before(way, conflicts, stops, snapshot, memory, limits) is not None
+    way, limits = known.way, premises.view.limits
+    blocker = taken_by(way, snapshot, memory, limits)
+    waits = wait_before(way, known.stops, snapshot, memory, limits) is not None
     return known._replace(is_taken=bool(blocker), waits=waits)

@@ -29,7 +29,8 @@ class Crossing(NamedTuple):
     `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
     nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor. `swing`: how far before
-    the stop line the body begins to swing over others' ways, m."""
+    the stop line the body begins to swing over others' ways, m. `last`: where the last region ends, `post`: where the room
+    behind the last begins in which the ego may not stand (m of C; infinitely far behind: it has none)."""
 
     number: int
     passage: Passage
@@ -41,6 +42,8 @@ class Crossing(NamedTuple):
     wait_at: float | None = None
     waits_in_the_way: frozenset[str] = frozenset()
     swing: float = 0.0
+    last: float = -math.inf
+    post: float = -math.inf
 
     @property
     def line(self) -> float:
@@ -81,7 +84,6 @@ class Exit(NamedTuple):
     one of the `stops` behind."""
 
     way: Crossing
-    conflicts: tuple[Conflict, ...]
     stops: tuple[TimeConstraint, ...]
     is_taken: bool
     waits: bool
@@ -103,10 +105,21 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         turn = next((one for one in plan.turnarounds if one.holds(passage)), None)
         wait_at = _place_inside(connection, conflicts)
         in_the_way = frozenset(conflict.other.id for conflict in conflicts if conflict.waits_in_the_way)
-        yield Crossing(
+        way = Crossing(
             index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, waits_in_the_way=in_the_way,
             swing=_swing(connection, conflicts),
         )  # fmt: skip
+        ends = (way.at(conflict.region.own.end) for conflict in conflicts)
+        posts = (way.at(conflict.region.post.start) for conflict in conflicts if _counts_behind(conflict))
+        yield way._replace(last=max(ends, default=-math.inf), post=max(posts, default=-math.inf))
+
+
+def _counts_behind(conflict: Conflict) -> bool:
+    """Whether the ego may not stand behind a region with its rear in it: of those that merge, only where it has to let the
+    others go first, for else they wait for who stands there."""
+    return conflict.region.kind is ConflictKind.CROSSING or (
+        conflict.region.kind is ConflictKind.MERGING and conflict.must_yield
+    )
 
 
 @kept(PLANS_KEPT)

@@ -7,6 +7,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.pilot.passages import crossings
 from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, taken_by, wait_before
 from sumo_reactive.driver.world.regions import ConflictKind
 
@@ -17,11 +18,9 @@ def moved(away: float, speed: float, behind: float, reason: Reason) -> float | N
     """Return how far from its line the ego stops (m) that meant to stop `behind` m behind the place where it is clear."""
     ego = before("four_way_priority", NORTH, away, speed)
     situation = ego.considered()
-    way, conflicts = situation.ways[0], situation.ahead[0][2]
-    clear = is_clear_at(way, conflicts, situation.limits)
-    assert clear is not None
-    stop = stop_at(clear + behind, reason)
-    found = wait_before(way, conflicts, (stop,), situation.snapshot, situation.memory, situation.limits)
+    way = situation.ways[0]
+    stop = stop_at(is_clear_at(way, situation.limits) + behind, reason)
+    found = wait_before(way, (stop,), situation.snapshot, situation.memory, situation.limits)
     return None if found is None else found.s - ego.line
 
 
@@ -45,9 +44,9 @@ def test_who_can_no_longer_stop_before_the_line_goes_on():
 def test_of_several_stops_inside_the_nearest_is_the_one_that_is_moved_before_the_line():
     ego = before("four_way_priority", NORTH, 20.0, 5.0)
     situation = ego.considered()
-    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    way = situation.ways[0]
     stops = [stop_at(ego.line + m, Reason.NO_GAP, cause=f"{m:g} m") for m in (9.0, 4.0, 6.0)]
-    found = wait_before(way, conflicts, stops, situation.snapshot, situation.memory, situation.limits)
+    found = wait_before(way, stops, situation.snapshot, situation.memory, situation.limits)
     assert found == stop_at(ego.line, Reason.NO_GAP, cause="4 m")
 
 
@@ -57,21 +56,21 @@ def test_who_comes_towards_the_ego_out_of_the_room_behind_does_not_take_it(along
     ego = before("four_way_priority", NORTH, 20.0, 5.0)
     x = ego.other("x", "to_north_0", 6.0, abs(along), ("to_north",))
     situation = ego.considered(x)
-    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    way = situation.ways[0]
     (there,) = (obstacle._replace(along=along, across=0.0) for obstacle in situation.snapshot.on_path)
     snapshot = situation.snapshot._replace(on_path=(there,))
-    assert taken_by(way, conflicts, snapshot, situation.memory, situation.limits) == ("x" if takes_it else "")
+    assert taken_by(way, snapshot, situation.memory, situation.limits) == ("x" if takes_it else "")
 
 
 @pytest.mark.parametrize(("behind", "place"), [(-0.5, 0.0), (0.5, None)])
 def test_who_is_longer_than_the_way_to_the_next_line_waits_before_the_junction(behind, place):
     ego = before("four_way_priority", NORTH, 20.0, 5.0)
     situation = ego.considered()
-    way, conflicts = situation.ways[0], situation.ahead[0][2]
+    index, connection, conflicts = situation.ahead[0]
     merging = tuple(c._replace(must_yield=False) for c in conflicts if c.region.kind is ConflictKind.MERGING)
     assert merging
-    assert is_clear_at(way, merging, situation.limits) is None
+    (way,) = crossings(situation.snapshot, situation.plan, ((index, connection, merging),))
     long = replace(situation.limits, length=16.0)
     stop = stop_at(way.passage.start + long.length + behind, Reason.YIELD_TO)
-    found = wait_before(way, merging, (stop,), situation.snapshot, situation.memory, long)
+    found = wait_before(way, (stop,), situation.snapshot, situation.memory, long)
     assert (None if found is None else found.s - ego.line) == place

@@ -64,7 +64,7 @@ def ask(
     scheduled = None
     if Rule.SCHEDULED_STOP in asked:
         scheduled, memory = scheduled_stop.serve(snapshot, view.plan, memory)
-    change = post_conflict.clear_of(change, met, view.plan, snapshot.front, limits) if Rule.LANE_GAP in asked else None
+    change = post_conflict.clear_of(change, view.ways, view.plan, snapshot.front, limits) if Rule.LANE_GAP in asked else None
     stops = [(stop, decision_of(stop)) for stop in (scheduled, change) if stop is not None]
     queue = [leader.s - limits.standstill_gap for leader in snapshot.leaders if leader.speed < STANDING_SPEED]
     foes = region.without_queues(snapshot.foes)
@@ -79,9 +79,9 @@ def ask(
             rules = rules._replace(regions=())
         before, later = None, tuple(stop for stop, _ in stops)
         if Rule.POST_CONFLICT in asked:
-            before = post_conflict.wait_before(way, conflicts, later, snapshot, memory, limits)
+            before = post_conflict.wait_before(way, later, snapshot, memory, limits)
             is_taken = any(stop.reason is Reason.EXIT_BLOCKED for stop, _ in rules.stops)
-            rules = rules._replace(exits=(Exit(way, conflicts, later, is_taken, before is not None),))
+            rules = rules._replace(exits=(Exit(way, later, is_taken, before is not None),))
         stops.extend([] if before is None else [(before, decision_of(before))])
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
@@ -117,7 +117,7 @@ def _passage(
             until = snapshot.time + region.opens_at((judgement for judgement, _ in found), place, way, view)
         stops.append((stop_at(place, first.reason, first.region, first.foe.user.id, until), first.decision))
         met = region.encounter_of(min((one for _, one in waits), key=lambda one: one.own.arrival), way, view)
-    blocker = post_conflict.taken_by(way, conflicts, snapshot, memory, limits) if Rule.POST_CONFLICT in asked else ""
+    blocker = post_conflict.taken_by(way, snapshot, memory, limits) if Rule.POST_CONFLICT in asked else ""
     if blocker:
         stop = stop_at(way.line, Reason.EXIT_BLOCKED, region=way.connection.id, cause=blocker)
         stops.append((stop, decision_of(stop)))

@@ -9,7 +9,7 @@ from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE, NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Conflict, PathObstacle, Snapshot
+from sumo_reactive.driver.nouns.snapshot import PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
@@ -17,7 +17,6 @@ from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.vehicle.travel_time import travel_time
-from sumo_reactive.driver.world.regions import ConflictKind
 
 QUEUED_SPEED = 3.0
 """m/s; who is slower than this before the line is in the queue."""
@@ -25,22 +24,12 @@ QUEUED_SPEED = 3.0
 _LIGHTS = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT)
 
 
-def is_clear_at(way: Crossing, conflicts: tuple[Conflict, ...], limits: VehicleLimits) -> float | None:
-    """Return how far on C (m) the ego's front is when its rear has left every region of a passage (None: it has none).
-
-    Of those that merge, only those whom the ego has to let go first count: the others wait for who stands there.
-    """
-    ends = [c.region.post.start for c in conflicts if c.region.kind is ConflictKind.CROSSING or _merges_first(c)]
-    return way.at(max(ends)) + limits.length if ends else None
+def is_clear_at(way: Crossing, limits: VehicleLimits) -> float:
+    """Return how far on C (m) the ego's front is when its rear has left every region of a passage where it may not stand."""
+    return way.post + limits.length
 
 
-def _merges_first(conflict: Conflict) -> bool:
-    return conflict.region.kind is ConflictKind.MERGING and conflict.must_yield
-
-
-def taken_by(
-    way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits
-) -> str:
+def taken_by(way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: VehicleLimits) -> str:
     """Return who leaves no room behind the last region of a passage (empty: nobody): the post-conflict region.
 
     Nobody is in danger: the ego does not brake harder than planned for it. Where the map says that a junction need not be
@@ -48,30 +37,28 @@ def taken_by(
     """
     if not snapshot.parameters.has(Mechanism.ROOM_BEHIND):
         return ""
-    clear = is_clear_at(way, conflicts, limits)
     p, waited = limits.parameters, _waited(way, snapshot, memory)
     if _may_wait(way, snapshot, limits.service_deceleration) and waited < p.queue_patience_s:
-        nose = _nose_in_the_way(way, conflicts, snapshot)  # the ego has to brake for that body anyway
+        nose = _nose_in_the_way(way, snapshot)  # the ego has to brake for that body anyway
         if nose:
             return nose
-    if clear is None or not _may_wait(way, snapshot, p.planned_deceleration):
+    if way.post == -math.inf or not _may_wait(way, snapshot, p.planned_deceleration):
         return ""
     if not way.connection.keep_clear and waited > _patience(way, snapshot):
         return ""
-    behind = clear + limits.standstill_gap
+    behind = is_clear_at(way, limits) + limits.standstill_gap
     time = travel_time(behind - snapshot.front, snapshot.ego.speed, limits.acceleration_in_plan, way.pace)
     ahead = (o for o in snapshot.on_path if o.start > snapshot.front and o.along > -STANDING_SPEED)
     along = [o for o in ahead if abs(o.across) <= max(o.along, 1.0)]
     return _too_near(along, time, (way.passage.start, behind), snapshot.parameters.comfort_deceleration)
 
 
-def _nose_in_the_way(way: Crossing, conflicts: tuple[Conflict, ...], snapshot: Snapshot) -> str:
+def _nose_in_the_way(way: Crossing, snapshot: Snapshot) -> str:
     """Return who waits for the ego where its body is in the ego's way (empty: nobody), since the map draws its line there:
     he goes if the ego does not, and else both wait for each other."""
     foes = (foe for foe in snapshot.foes if foe.passage == way.number and foe.to_stop_line >= 0.0)
     waiting = {foe.user.id for foe in foes if foe.user.speed < QUEUED_SPEED}
-    end = max((way.at(c.region.own.end) for c in conflicts), default=-math.inf)
-    met = (o for o in snapshot.on_path if way.passage.start < o.start < end and not o.user.is_halted)
+    met = (o for o in snapshot.on_path if way.passage.start < o.start < way.last and not o.user.is_halted)
     return next((o.user.id for o in met if o.user.id in waiting), "")
 
 
@@ -118,7 +105,6 @@ def _patience(way: Crossing, snapshot: Snapshot) -> float:
 
 def wait_before(
     way: Crossing,
-    conflicts: tuple[Conflict, ...],
     stops: Iterable[TimeConstraint],
     snapshot: Snapshot,
     memory: PilotMemory,
@@ -131,9 +117,9 @@ def wait_before(
     a whole green of its own. A stop of the route is made where the route says.
     """
     p = limits.parameters
-    if not p.has(Mechanism.ROOM_BEHIND) or all(c.region.kind is ConflictKind.DIVERGING for c in conflicts):
+    if not p.has(Mechanism.ROOM_BEHIND) or way.last == -math.inf:
         return None
-    clear = max(is_clear_at(way, conflicts, limits) or 0.0, way.passage.start + limits.length)
+    clear = max(is_clear_at(way, limits), way.passage.start + limits.length)
     if not _may_wait(way, snapshot, p.planned_deceleration) or _waited(way, snapshot, memory) > p.queue_patience_s:
         return None
     inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason is not Reason.SCHEDULED_STOP)
@@ -145,7 +131,7 @@ def wait_before(
 
 def clear_of(
     stop: TimeConstraint | None,
-    ways: Iterable[tuple[Crossing, tuple[Conflict, ...]]],
+    ways: Iterable[Crossing],
     plan: NominalPlan,
     front: float,
     limits: VehicleLimits,
@@ -155,7 +141,6 @@ def clear_of(
     change = None if stop is None else next((c for c in plan.lane_changes if c.end > front), None)
     if stop is None or change is None or stop.reason is not Reason.NO_GAP or stop.region != change.to_lane:
         return stop
-    places = (is_clear_at(way, conflicts, limits) for way, conflicts in ways if way.passage.start < front)
-    clear = max((place for place in places if place is not None), default=-math.inf)
+    clear = max((is_clear_at(way, limits) for way in ways if way.passage.start < front), default=-math.inf)
     farthest = change.start + CALL_OFF_SHARE * (change.end - change.start)
     return stop._replace(s=max(stop.s, min(clear, farthest)))

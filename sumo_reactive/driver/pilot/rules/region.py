@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.completed_plan import Intent
@@ -231,17 +232,21 @@ def _entry(conflict: Conflict, crossing: Crossing) -> float:
 def _by_letters(foe: Foe, crossing: Crossing, snapshot: Snapshot) -> Foe:
     """Return the foe with the right of way that the lights' letters leave: nobody yields at a full green or with the light
     off, whatever the map says, and between paths that yield to each other the higher letter goes first."""
-    if not foe.conflict.is_yielded_to or not snapshot.lights:
+    known = foe.conflict
+    if not known.is_yielded_to or not snapshot.lights:
         return foe
-    own, theirs = letter_of(crossing.connection, snapshot), letter_of(foe.conflict.other, snapshot)
+    conflict = _at_letters(known.region, known, letter_of(crossing.connection, snapshot), letter_of(known.other, snapshot))
+    return foe if conflict is known else foe._replace(conflict=conflict)
+
+
+@kept(64)
+def _at_letters(_region: ConflictRegion, conflict: Conflict, own: str, theirs: str) -> Conflict:
+    """Return a conflict in a region that the other lets the ego go first in, with what the letters leave of that."""
     if theirs and theirs in "GO":
-        foe = foe._replace(conflict=foe.conflict._replace(is_yielded_to=False))
-    conflict = foe.conflict
-    if not (conflict.must_yield and conflict.is_yielded_to):
-        return foe
-    if outranks(own, theirs):
-        return foe._replace(conflict=conflict._replace(must_yield=False))
-    return foe._replace(conflict=conflict._replace(is_yielded_to=False)) if outranks(theirs, own) else foe
+        return conflict._replace(is_yielded_to=False)
+    if conflict.must_yield and outranks(own, theirs):
+        return conflict._replace(must_yield=False)
+    return conflict._replace(is_yielded_to=False) if conflict.must_yield and outranks(theirs, own) else conflict
 
 
 def _takes_turns(foe: Foe, crossing: Crossing) -> bool:
