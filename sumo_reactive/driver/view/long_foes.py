@@ -61,9 +61,11 @@ def conflicts_with_long(graph: RoadGraph, own_id: str, size: Size) -> tuple[Conf
 
 def _widened(graph: RoadGraph, own: Connection, known: dict[str, Conflict], size: Size) -> Iterator[Conflict]:
     line = _own_line(graph, own)
+    band = shapely.buffer(line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+    shapely.prepare(band)
     for other in graph.junctions[own.junction_id].connections:
         is_met = road_of(other.from_lane) == road_of(own.from_lane) or other.to_lane == own.to_lane or other.is_crossing
-        found = None if is_met else _region(own, line, other, _bodies(graph, other, size))
+        found = None if is_met else _region(own, (line, band), other, _bodies(graph, other.id, size))
         conflict, over = known.get(other.id), 0.0 if found is None else max(-found.own.start, 0.0)
         if conflict is not None:
             yield conflict._replace(region=_longer(conflict.region, size.length, found), reaches_over=over)
@@ -78,9 +80,11 @@ def _own_line(graph: RoadGraph, own: Connection) -> Any:
     return shapely.linestrings(joined([head, own.path.points, cut(behind, 0.0, min(behind.length, HOLD_BACK_REACH_M))]))
 
 
-def _bodies(graph: RoadGraph, other: Connection, size: Size) -> tuple[Floats, Any]:
+@kept(256)
+def _bodies(graph: RoadGraph, other_id: str, size: Size) -> tuple[Floats, Any]:
     """Return where the front of a body is from its stop line on until its rear is behind the junction, (n,), m, and the
     boxes (n,) there."""
+    other = graph.connections[other_id]
     before, behind, length = graph.lanes[other.from_lane].spine, graph.lanes[other.to_lane].spine, size.length
     head, tail = cut(before, before.length - length, before.length), cut(behind, 0.0, min(behind.length, length))
     way = Polyline(joined([head, other.path.points, tail]))
@@ -92,10 +96,11 @@ def _bodies(graph: RoadGraph, other: Connection, size: Size) -> tuple[Floats, An
     return fronts, shapely.polygons(np.stack((front + aside, end + aside, end - aside, front - aside), axis=1))
 
 
-def _region(own: Connection, line: Any, other: Connection, bodies: tuple[Floats, Any]) -> ConflictRegion | None:
-    """Return where the `bodies` on another way reach over the band along the own `line`; None: nowhere."""
-    fronts, boxes = bodies
-    band = shapely.buffer(line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
+def _region(
+    own: Connection, swept: tuple[Any, Any], other: Connection, bodies: tuple[Floats, Any]
+) -> ConflictRegion | None:
+    """Return where the `bodies` on another way reach over the own line and band; None: nowhere."""
+    (line, band), (fronts, boxes) = swept, bodies
     at = np.flatnonzero(shapely.intersects(boxes, band))
     if not len(at):
         return None
