@@ -9,6 +9,7 @@ import numpy as np
 
 from sumo_reactive.driver.geometry.curve import project_on_curve
 from sumo_reactive.driver.geometry.polyline import Floats
+from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
@@ -38,6 +39,9 @@ time that the comfortable deceleration takes from 7.5 m/s…"""
 
 MEETING_STEP_S = 0.1
 """…in steps of at least this."""
+
+SWUNG_STEP_M = 1.0
+"""Who comes over C farther along his way is looked for in such steps."""
 
 _NO_BOXES: Floats = np.empty((0, 6))
 
@@ -73,6 +77,7 @@ def perceive(
     narrows = narrows_of(plan, graph, limits)
     met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
     behind = tuple(leaders(met, front, ego.speed, limits))
+    behind += tuple(_swings_back(traffic.users, on_path, plan, graph, limits, front))
     if narrows:
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
@@ -153,6 +158,35 @@ def _passes_by(
             return False
         time += max(gap / (own + user.speed), MEETING_STEP_S)
     return False
+
+
+def _swings_back(
+    users: tuple[RoadUser, ...], on_path: tuple[PathObstacle, ...], plan: NominalPlan, graph: RoadGraph,
+    limits: VehicleLimits, front: float,
+) -> Iterator[TimeConstraint]:  # fmt: skip
+    """Yield a leader for everybody who is before the ego on its own way through a junction, beside C now, and will come over
+    it: in a turn that the map draws too tight for the ego, C keeps off that way until its end."""
+    curve, known = plan.curve, {obstacle.user.id for obstacle in on_path}
+    for passage in plan.passages:
+        if not passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end:
+            continue
+        connection = graph.connections[passage.connection_id]
+        inside = {part: at for part, at in graph.lanes_behind(connection) if part != connection.to_lane}
+        scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
+        for user in users:
+            at = inside.get(user.lane_id)
+            if at is None or user.id in known or passage.start + (at + user.lane_position) * scale <= front:
+                continue
+            left = connection.path.length - at - user.lane_position + user.body.length
+            ways = np.arange(0.0, left, SWUNG_STEP_M)
+            boxes = np.array([place for way in ways for place in places_after(graph, user._replace(speed=1.0), way)[1:]])
+            _, stretches = blocking_ones(
+                boxes.reshape(-1, 6), curve.x, curve.y, curve.heading, curve.step, front, passage.end + user.body.length,
+                *band_of(curve, limits),
+            )
+            if len(stretches):
+                first = float(stretches[:, 0].min())
+                yield stay_behind(user.id, first, 0.0, user.body.emergency_deceleration)
 
 
 def _neighbours(users: tuple[RoadUser, ...], axis: Mapping[str, float], own: float) -> Iterator[Neighbour]:

@@ -1,11 +1,14 @@
 """Who can come to which region, and how far away it is: on the project's own networks."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers.cars import BODY, CAR
 from helpers.situations import before
 
+from sumo_reactive.driver.geometry.polyline import moved_aside
 from sumo_reactive.driver.nouns.snapshot import Foe, OffTracking, Snapshot
 from sumo_reactive.driver.view import perceive as room
 
@@ -163,3 +166,17 @@ def test_who_crosses_is_stayed_behind_unless_the_rest_of_him_will_have_crossed(a
     seen = ego.seen(crossing)
     assert len(seen.on_path) == 1
     assert [leader.behind for leader in seen.leaders] == ["west"] * is_led
+
+
+@pytest.mark.parametrize(("along", "returns"), [(6.0, True), (9.0, True), (6.0, False)])
+def test_who_is_before_the_ego_on_its_own_way_and_comes_over_c_again_is_a_leader(along, returns):
+    """C keeps 6 m off the map's way; behind the junction both are one again, or never."""
+    ego = before(PRIORITY, ("from_south", "to_north"), 2.0, 3.0)
+    curve, passage = ego.plan.curve, ego.plan.passages[0]
+    inside = (curve.step * np.arange(len(curve.x)) - passage.start) / (passage.end - passage.start)
+    off = 6.0 * (np.clip(3.0 * (1.2 - inside), 0.0, 1.0) if returns else np.ones(len(inside)))
+    x, y = np.ascontiguousarray(moved_aside(np.column_stack((curve.x, curve.y)), off).T)
+    there = replace(ego, plan=replace(ego.plan, curve=replace(curve, x=x, y=y)))
+    seen = there.seen(ego.other("x", ego.connection.parts[0], along, 2.0, ("to_north",)))
+    assert not seen.on_path
+    assert [one.behind for one in seen.leaders] == (["x"] if returns else [])
