@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from struct import pack_into
 
 import numpy as np
 
 from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
-from sumo_reactive.driver.nouns.state import VehicleState
+from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
@@ -75,7 +77,11 @@ def perceive(
     near = _near(traffic.users, boxes, graph, ego, limits)
     static = static_near(graph, plan, limits.vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
-    met = [obstacle for obstacle in on_path if not _passes_by(obstacle, plan, graph, limits, front, ego.speed)]
+    met = [
+        obstacle for obstacle in on_path
+        if not _stands_beside(obstacle, ego, front, plan.curve.step, limits)
+        and not _passes_by(obstacle, plan, graph, limits, front, ego.speed)
+    ]  # fmt: skip
     behind = tuple(leaders(met, front, ego.speed, limits))
     behind += tuple(_swings_back(traffic.users, on_path, plan, graph, limits, front))
     if narrows:
@@ -158,6 +164,20 @@ def _passes_by(
             return False
         time += max(gap / (own + user.speed), MEETING_STEP_S)
     return False
+
+
+def _stands_beside(obstacle: PathObstacle, ego: VehicleState, front: float, step: float, limits: VehicleLimits) -> bool:
+    """Whether somebody who stands reaches into the corridor beside the ego's front only, and not before it: nobody stays
+    behind him any more. What the body sweeps as it drives on is tested exactly, command by command."""
+    user = obstacle.user
+    if user.speed >= STANDING_SPEED or obstacle.end >= front + step:
+        return False
+    x, y = ego.pose.ahead(limits.front_to_rear_axle + 0.5 * step)
+    half = 0.5 * user.body.length
+    bx, by = user.x - half * math.cos(user.heading), user.y - half * math.sin(user.heading)
+    return not boxes_overlap(
+        x, y, ego.pose.heading, step, limits.width, bx, by, user.heading, user.body.length, user.body.width
+    )
 
 
 def _swings_back(

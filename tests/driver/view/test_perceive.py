@@ -180,3 +180,19 @@ def test_who_is_before_the_ego_on_its_own_way_and_comes_over_c_again_is_a_leader
     seen = there.seen(ego.other("x", ego.connection.parts[0], along, 2.0, ("to_north",)))
     assert not seen.on_path
     assert [one.behind for one in seen.leaders] == (["x"] if returns else [])
+
+
+@pytest.mark.parametrize(
+    ("ahead", "gap", "speed", "leads"),
+    [(-0.5, 0.1, 0.0, False), (0.5, 0.1, 0.0, True), (-0.5, -0.1, 0.0, True), (-0.5, 0.1, 1.0, True)],
+)
+def test_who_stands_beside_the_egos_front_and_not_before_it_is_no_leader(ahead, gap, speed, leads):
+    """He has come from the right; `gap` m are between its side and him, `ahead` (m) his middle is before its bumper."""
+    ego = before(PRIORITY, ("from_south", "to_north"), 12.0, 0.0)
+    x, y = ego.ego.pose.ahead(CAR.front_to_rear_axle)
+    other = ego.other("x", ego.connection.from_lane, 0.0, speed, ("from_south",))._replace(
+        x=x + 0.5 * CAR.width + gap, y=y + ahead, heading=math.pi, lane_id=""
+    )
+    seen = ego.seen(other)
+    assert [one.user.id for one in seen.on_path] == ["x"]
+    assert [one.behind for one in seen.leaders] == (["x"] if leads else [])
