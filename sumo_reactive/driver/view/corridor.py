@@ -163,12 +163,12 @@ def blocking_ones(
 def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[OffTracking, ...]:
     """Return where the body covers lanes beside its own while the front axle follows C, in order along C.
 
-    Where C itself leads from lane to lane it cuts into none.
+    Where C itself leads from lane to lane, or aside past somebody, it cuts into none.
     """
     curve, band, found = plan.curve, band_of(plan.curve, limits), []
-    places = np.column_stack((curve.x, curve.y))
+    places, back = np.column_stack((curve.x, curve.y)), 0.0 if plan.aside is None else plan.aside.until
     for g in plan.segments:
-        first, end = max(int(g.start / curve.step) + 1, 0), min(int(g.end / curve.step), len(curve.x))
+        first, end = max(int(max(g.start, back) / curve.step) + 1, 0), min(int(g.end / curve.step), len(curve.x))
         if first >= end or any(change.start < g.end and change.end > g.start for change in plan.lane_changes):
             continue
         own = graph.lanes[g.lane_id]

@@ -9,8 +9,12 @@ from helpers.cars import BODY, CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.geometry.polyline import moved_aside
+from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.nouns.snapshot import Foe, OffTracking, Snapshot
+from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.view import perceive as room
+from sumo_reactive.driver.view.corridor import off_tracking_of
+from sumo_reactive.driver.world.route import Route
 
 FROM_SOUTH = ("from_south", "to_west")
 PRIORITY = "four_way_priority"
@@ -196,3 +200,15 @@ def test_who_stands_beside_the_egos_front_and_not_before_it_is_no_leader(ahead, 
     seen = ego.seen(other)
     assert [one.user.id for one in seen.on_path] == ["x"]
     assert [one.behind for one in seen.leaders] == (["x"] if leads else [])
+
+
+def test_a_body_that_leads_aside_past_somebody_cuts_into_no_lane_beside():
+    """Who drives there has been proven to leave room: nobody is waited for before the ego pulls out."""
+    route = Route(("road_before_exit", "road_after_exit"))
+    ego = before("multi_lane_road", route.edges, 380.0, 10.0, lane=1)
+    here = ego.graph.lanes["road_before_exit_1"].spine
+    pose = ego.ego.pose
+    start = PlanStart(pose, 10.0, 0.0, ego.time, "road_before_exit_1", here.project(*ego.ego.pose.ahead(0.0))[0], 0)
+    passing = plan(ego.graph, route, CAR, start, aside=Aside("x", 3.2, 60.0, 80.0))
+    assert max(abs(here.offsets(np.column_stack((passing.curve.x, passing.curve.y))))) > 3.0
+    assert off_tracking_of(passing, ego.graph, CAR) == ()
