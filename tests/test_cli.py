@@ -131,6 +131,17 @@ def test_explain_tells_all_that_was_in_force_at_a_time(recording):
     assert "the ego drives at" in answer.stdout
 
 
+def test_explain_tells_in_brief_and_about_one_road_user_but_not_both(recording):
+    _, vehicle, _ = yields(recording)[0]
+    in_brief, about = sumo_reactive("explain", recording, "--brief"), sumo_reactive("explain", recording, "--about", vehicle)
+    assert (in_brief.returncode, about.returncode) == (0, 0)
+    whole = sumo_reactive("explain", recording).stdout.splitlines()
+    assert 3 < len(in_brief.stdout.splitlines()) < len(whole)
+    assert all(vehicle in line for line in about.stdout.splitlines()[1:])
+    both = sumo_reactive("explain", recording, "--about", vehicle, "--brief")
+    assert both.returncode == 2 and "one of them at a time" in both.stderr
+
+
 @pytest.mark.parametrize("moment", ["0", "1e6", "nan"])
 def test_explain_refuses_a_time_outside_the_run(recording, moment):
     answer = sumo_reactive("explain", recording, "--at", moment)

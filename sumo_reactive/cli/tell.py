@@ -14,13 +14,24 @@ from sumo_reactive.cli.app import app
 def explain(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="folder that a run has written with --out")],
     at: Annotated[float | None, typer.Option(help="tell all that was in force at this simulation time, s")] = None,
+    user: Annotated[str | None, typer.Option("--about", metavar="ID", help="tell what this user had to do with it")] = None,
+    in_brief: Annotated[bool, typer.Option("--brief", help="tell a line a behaviour")] = False,
 ) -> int:
     """Tell in sentences why the ego of a recorded run did what it did."""
-    from sumo_reactive.show.explain import moment, story
+    from sumo_reactive.show.explain import about, brief, moment, story
     from sumo_reactive.show.recording import load
 
+    if (at is not None) + (user is not None) + in_brief > 1:
+        raise typer.BadParameter("--at, --about and --brief: one of them at a time")
     recording = load(folder)
-    typer.echo("\n".join(story(recording) if at is None else moment(recording, at)))
+    told = story(recording)
+    if at is not None:
+        told = moment(recording, at)
+    elif user is not None:
+        told = about(recording, user)
+    elif in_brief:
+        told = brief(recording)
+    typer.echo("\n".join(told))
     return 0
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from itertools import groupby
 from typing import Any
 
 from sumo_reactive.driver.nouns.assessment import Assessment
@@ -37,6 +39,64 @@ def moment(recording: Recording, time: float) -> Iterator[str]:
     yield from _in_full(recording.entries[index], before)
     for label, near in (("before", recording.entries[:index][-1:]), ("next", recording.entries[index + 1 :][:1])):
         yield from (f"{label:<11} {entry.time:.1f} s  {in_short(entry)}" for entry in near)
+
+
+_TOLD = 3
+"""So many reasons of a behaviour are told in brief."""
+
+
+def brief(recording: Recording) -> Iterator[str]:
+    """Yield the run in brief: a header, and a line a behaviour, from when on, with its reasons, stops first."""
+    yield header(recording)
+    for behaviour, group in groupby(recording.entries, key=lambda entry: entry.behaviour):
+        entries = list(group)
+        yield f"{entries[0].time:.1f} s  {sentences.BEHAVIOURS[behaviour]}: {_reasons_told(entries)}."
+
+
+def _reasons_told(entries: Sequence[Entry]) -> str:
+    """Return what an ego did in some entries of one behaviour, and why, once for each reason and road user."""
+    said: dict[tuple[object, ...], tuple[Decision, Instruction]] = {}
+    for entry in entries:
+        for one in _nearest(entry.decisions):
+            said.setdefault((one.reason, one.cause, one.passes), (one, entry.instruction))
+    ordered = sorted(said.values(), key=lambda pair: pair[0].passes)
+    clauses = [decision_told(*pair, with_figures=False) for pair in ordered]
+    if not clauses:
+        return sentences.INSTRUCTIONS[entries[-1].instruction]
+    more = len(clauses) - _TOLD
+    return "; ".join(clauses[:_TOLD]) + (f"; and {more} more" if more > 0 else "")
+
+
+def about(recording: Recording, user_id: str) -> Iterator[str]:
+    """Yield what a road user had to do with the run, a line an entry that names him; raise ScenarioError if none does."""
+    told = [(entry, " ".join(_said_about(entry, user_id))) for entry in recording.entries]
+    if not any(text for _, text in told):
+        known = sorted({name for entry in recording.entries for name in _named(entry)})
+        near = get_close_matches(user_id, known, n=3)
+        raise ScenarioError(
+            f"{recording.folder}: nothing was decided about '{user_id}'" + (f"; near it: {', '.join(near)}" if near else "")
+        )
+    yield header(recording)
+    yield from (f"{entry.time:.1f} s  {text}" for entry, text in told if text)
+
+
+def _named(entry: Entry) -> Iterator[str]:
+    """Yield the causes that an entry names: road users, lights and places."""
+    yield from (event.cause for event in entry.events)
+    yield from (decision.cause for decision in entry.decisions)
+    yield from ([entry.assessment.encounter.user_id] if entry.assessment.encounter else [])
+    yield entry.hazard
+
+
+def _said_about(entry: Entry, user_id: str) -> Iterator[str]:
+    """Yield the sentences of an entry that name a road user."""
+    meets = entry.assessment.encounter
+    parts = events_told(event for event in entry.events if event.cause == user_id)
+    parts += [assessment_told(entry.assessment)] if meets and meets.user_id == user_id else []
+    parts += [sentences.EMERGENCY_BRAKING.format(user_id)] if entry.emergency and entry.hazard == user_id else []
+    decisions = _nearest(one for one in entry.decisions if one.cause == user_id)
+    parts += [f"the ego {decision_told(one, entry.instruction)}" for one in decisions]
+    yield from (f"{part[0].upper()}{part[1:]}." for part in parts)
 
 
 def header(recording: Recording) -> str:

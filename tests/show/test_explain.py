@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -10,7 +11,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.trace import Entry, entry_of, line_of
-from sumo_reactive.show.explain import decision_told, footer, in_short, paragraph, story
+from sumo_reactive.show.explain import about, brief, decision_told, footer, in_short, paragraph, story
 from sumo_reactive.show.recording import Recording, load
 from sumo_reactive.show.sentences import BEHAVIOURS, EVENTS, INSTRUCTIONS, OUTCOMES, REASONS
 
@@ -155,3 +156,44 @@ def test_a_folder_with_another_summary_is_refused(tmp_path, summary):
     (tmp_path / "summary.json").write_text(summary, encoding="utf-8")
     with pytest.raises(ScenarioError, match="not the summary of a run"):
         load(tmp_path)
+
+
+def recorded(folder, *entries):
+    """Return a run with these entries."""
+    return Recording(folder, {"ego": "ego", "scenario": "s.toml", "verdict": "arrived"}, entries)
+
+
+def test_in_brief_a_behaviour_is_a_line_with_each_of_its_reasons_once_and_stops_first(tmp_path):
+    goes, waits = meeting(True, (5.0, 8.0), (1.0, 2.0)), meeting(False, (5.0, 8.0), (6.0, 9.0))
+    later = replace(waits, region="J9", figures=())
+    others = [replace(waits, cause=f"veh_{k}") for k in (20, 21, 22)]
+    entries = (
+        entry(1.0, decisions=(goes,)),
+        entry(2.0, decisions=(waits,)),
+        entry(3.0, decisions=(later, *others)),
+        entry(4.0, behaviour=Behaviour.NORMAL, instruction=Instruction.FOLLOW_CURVE),
+    )
+    _, cautious, normal = brief(recorded(tmp_path, *entries))
+    assert cautious.startswith("1.0 s  Cautious driving: stops before region J3_4x7, since veh_12 has priority; stops")
+    assert "J9" not in cautious and "(" not in cautious
+    assert cautious.endswith("; and 2 more.")
+    assert normal == "4.0 s  Normal driving: follows C."
+
+
+def test_all_that_names_a_road_user_is_told_about_him_and_nothing_else(tmp_path):
+    meets = Assessment(PlanOutcome.FAILURE, 0.0, 0.0, Encounter("veh_12", 7.5, 0.0, 0.0, 0.0))
+    waits = meeting(False, (5.0, 8.0), (6.0, 9.0))
+    entries = (
+        entry(1.0, events=tuple(Event(EventKind.NEW_OBSTACLE, one) for one in ("veh_12", "veh_9")), assessment=meets),
+        entry(2.0, decisions=(waits, replace(waits, cause="veh_9"))),
+        entry(3.0, emergency=True, hazard="veh_12"),
+        entry(4.0, decisions=(replace(waits, cause="veh_9"),)),
+    )
+    head, *lines = about(recorded(tmp_path, *entries), "veh_12")
+    assert head == "ego in s.toml: arrived."
+    assert [line.split()[0] for line in lines] == ["1.0", "2.0", "3.0"]
+    assert "veh_12" in lines[0] and "7.5 s" in lines[0]
+    assert lines[1].startswith("2.0 s  The ego stops before region J3_4x7, since veh_12 has priority (")
+    assert not any("veh_9" in line for line in lines)
+    with pytest.raises(ScenarioError, match="nothing was decided about 'veh_13'; near it: veh_12"):
+        list(about(recorded(tmp_path, *entries), "veh_13"))
