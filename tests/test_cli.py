@@ -87,6 +87,13 @@ def test_wrong_usage_points_to_the_help_of_its_own_command(arguments, help_of):
     assert f"(see {help_of} --help)" in sumo_reactive(*arguments).stderr
 
 
+@pytest.mark.parametrize(("command", "takes"), [("run", True), ("compare", True), ("explain", False)])
+def test_where_an_option_of_sumo_goes_is_told_to_who_forgets_it(command, takes):
+    answer = sumo_reactive(command, FOUR_WAY, "--time-to-teleport", "300")
+    assert answer.returncode == 2
+    assert ("; an option of SUMO goes behind --" in answer.stderr) is takes
+
+
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
     """The recorded run of a short scenario in which the ego has to yield."""

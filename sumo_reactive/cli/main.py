@@ -27,6 +27,9 @@ _AGAIN_S = 0.02
 
 _REQUESTS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
+_TAKE_SUMO_OPTIONS = (" run", " compare")
+"""Ends of the commands that hand options on to SUMO."""
+
 _UsageErrors: tuple[type[Exception], ...] = typer.BadParameter.__bases__
 """Click's `UsageError`, which some releases of typer bring along and others import."""
 
@@ -54,7 +57,9 @@ def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interr
     except _UsageErrors as error:
         message = getattr(error, "format_message", error.__str__)()
         asked = getattr(getattr(error, "ctx", None), "command_path", "sumo-reactive")
-        return _fail(f"{message} (see {asked} --help)", _USAGE_ERROR)
+        is_unknown = type(error).__name__ == "NoSuchOption" and asked.endswith(_TAKE_SUMO_OPTIONS)
+        hint = "; an option of SUMO goes behind --, as in '-- --time-to-teleport 300'" if is_unknown else ""
+        return _fail(f"{message.rstrip('.') if hint else message}{hint} (see {asked} --help)", _USAGE_ERROR)
     except MemoryError:
         return _INTERRUPTED if interrupts.requested else _fail("out of memory", _OUT_OF_MEMORY)
     except Exception as error:
