@@ -343,13 +343,17 @@ def _recounted(files: TripFiles, results: Sequence[TrialResult]) -> list[TrialRe
 
 
 def _require_egos(simulation: Simulation, rule: EgoRule, scenario: Scenario) -> None:
-    """Raise ScenarioError for a named ego that never came, or if there was none at all."""
+    """Raise ScenarioError for a named ego that never came, or if there was none at all, or none that could be driven."""
     driven, until = {result.ego for result in simulation.results}, f"before {simulation.ended:.1f} s, where the run ends"
     for name in rule.ids:
         if name not in driven:
             raise ScenarioError(f"{scenario.source}: ego '{name}' never departs {until}")
-    if not simulation.results and not simulation.refused:
-        raise ScenarioError(f"{scenario.source}: no vehicle is chosen as an ego {until}")
+    if simulation.results:
+        return
+    if simulation.refused:
+        (first, reason), many = simulation.refused[0], len(simulation.refused)
+        raise ScenarioError(f"{scenario.source}: none of {many} vehicles chosen can be taken over; '{first}': {reason}")
+    raise ScenarioError(f"{scenario.source}: no vehicle is chosen as an ego {until}")
 
 
 _FIELDS = [field for field in COLUMNS if field != "control_us"]
