@@ -1,7 +1,8 @@
-"""`sumo-reactive explain` and `report`: what has been recorded, told in sentences and shown on a page."""
+"""`sumo-reactive explain`, `report` and `table`: what has been recorded, in sentences, on a page, in a paper."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -47,4 +48,31 @@ def report(
     target = out or page_beside(path)
     write_whole(target, page_of(path, target))
     typer.echo(str(target))
+    return 0
+
+
+class FormatName(StrEnum):
+    """Forms of a table, as the command line names them."""
+
+    LATEX = "latex"
+    MD = "md"
+    CSV = "csv"
+
+
+@app.command("table")
+def paper_table(
+    path: Annotated[Path, typer.Argument(metavar="PATH", help="store of a batch (.duckdb), or folder of compare --out")],
+    form: Annotated[FormatName, typer.Option("--format", help="latex (booktabs), md or csv")] = FormatName.MD,
+    metric: Annotated[list[str] | None, typer.Option(help="this metric, repeatable; else all")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="write it there instead of to the terminal")] = None,
+) -> int:
+    """Make a table for a paper: both drivers' means, their paired differences, intervals, effect sizes and tests."""
+    from sumo_reactive.show.paper_table import Format, table_of
+    from sumo_reactive.writing import write_whole
+
+    text = table_of(path, Format(form.value), metric or [])
+    if out is None:
+        typer.echo(text, nl=False)
+    else:
+        write_whole(out, text)
     return 0

@@ -8,8 +8,7 @@ from html import escape
 from pathlib import Path
 
 from sumo_reactive.lab.batch.stored_results import Mean, Results
-from sumo_reactive.lab.comparison.record import FEW
-from sumo_reactive.lab.comparison.statistics import paired_difference
+from sumo_reactive.lab.comparison.statistics import FEW, paired_difference
 from sumo_reactive.show import page as frame
 from sumo_reactive.show.batch_figures import distribution_figure, scatter_figure
 from sumo_reactive.show.batch_trials import StoredTrial, TripPair, Worst, happenings, pairs_of, trials_in, worst_of
@@ -88,7 +87,8 @@ def differences_table(pairs: Sequence[TripPair], metrics: Sequence[str], names: 
             found = paired_difference([values for pair in inside if (values := pair.of(metric)) is not None])
             if found is not None:
                 told = frame.limits(found.interval, is_difference=True)
-                shown = Html(f"<strong>{told}</strong>") if found.interval and not found.interval.holds_zero else told
+                is_sure = found.interval is not None and not found.interval.holds_zero and found.n >= FEW
+                shown = Html(f"<strong>{told}</strong>") if is_sure else told
                 means = frame.number(found.first), frame.number(found.second), frame.signed(found.difference)
                 rows.append((names.get(scenario, "all"), varied, frame.title_of(metric), str(found.n), *means, shown))
     if rows:

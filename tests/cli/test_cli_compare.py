@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shlex
 import subprocess
@@ -33,6 +34,13 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
             assert float(trip.get(name)) == found[metric]
         told = pair["sumo"]["departure_s"], pair["sumo"]["end_s"]
         assert (float(trip.get("depart")), float(trip.get("arrival"))) == told
+    table = sumo_reactive("table", tmp_path / "out", "--format", "latex", "--out", tmp_path / "t.tex")
+    assert (table.returncode, table.stdout) == (0, "")
+    assert r"\begin{tabular}" in (tmp_path / "t.tex").read_text(encoding="utf-8")
+    (row,) = csv.DictReader(
+        sumo_reactive("table", tmp_path / "out", "--format", "csv", "--metric", "duration_s").stdout.splitlines()
+    )
+    assert float(row["difference"]) == data["metrics"]["duration_s"]["difference"]
 
 
 @pytest.mark.parametrize(

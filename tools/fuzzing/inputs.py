@@ -63,7 +63,8 @@ def _fleet(folder: Path, material: Path, random: Random) -> Made:
 def _store(folder: Path, material: Path, random: Random) -> Made:
     shutil.copy(material / STORE, folder)
     told = spoil(folder / STORE, random)
-    return random.choice((["results", "store.duckdb"], ["report", "store.duckdb", "--out", "page.html"])), told
+    commands = ["results", "store.duckdb"], ["report", "store.duckdb", "--out", "page.html"], ["table", "store.duckdb"]
+    return random.choice(commands), told
 
 
 def _command_line(folder: Path, material: Path, random: Random) -> Made:

@@ -9,8 +9,9 @@ from io import StringIO
 from pathlib import Path
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.files import text_of
 from sumo_reactive.lab.comparison.comparison import Comparison, MetricValue, Pair, Side
-from sumo_reactive.lab.comparison.statistics import CONFIDENCE, RESAMPLES, ConfidenceInterval, PairedDifference
+from sumo_reactive.lab.comparison.statistics import CONFIDENCE, FEW, RESAMPLES, ConfidenceInterval, PairedDifference
 from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.writing import require_writable, whole_folder
 
@@ -19,10 +20,16 @@ JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 HEAD = ("", "n", "SUMO's own", "this driver", "difference", f"{100 * CONFIDENCE:g} % interval")
 """Titles of the columns of `comparison_rows`."""
 
+CSV_COLUMNS = ("scenario", "ego", "seed", "metric", "sumo", "reactive", "compared")
+
+MOST_CSV_BYTES = 2**26
+"""More is no comparison that anybody has driven: 64 MB hold 20,000 pairs."""
+
+MOST_FIGURE = 1e12
+"""No figure is larger; with more, means overflow."""
+
 NO_INTERVAL = "none: n = 1"
 MAX_DIGITS = 6
-FEW = 10
-"""Resampling fewer pairs than this shows too little of how much they vary."""
 
 
 def comparison_rows(comparison: Comparison) -> list[tuple[str, ...]]:
@@ -31,15 +38,15 @@ def comparison_rows(comparison: Comparison) -> list[tuple[str, ...]]:
 
 
 def _row(name: str, found: PairedDifference) -> tuple[str, ...]:
-    first, second, difference = _text(found.first), _text(found.second), _signed(found.difference)
+    first, second, difference = figure_text(found.first), figure_text(found.second), signed_text(found.difference)
     return EVERY[name].title, str(found.n), first, second, difference, _limits(found.interval)
 
 
 def _limits(interval: ConfidenceInterval | None) -> str:
-    return NO_INTERVAL if interval is None else f"{_signed(interval.low)} … {_signed(interval.high)}"
+    return NO_INTERVAL if interval is None else f"{signed_text(interval.low)} … {signed_text(interval.high)}"
 
 
-def _text(value: float) -> str:
+def figure_text(value: float) -> str:
     """Return a number with the digits that count: two after the comma, fewer of a large one, more of a small one."""
     if value == round(value):
         return f"{value:.0f}"
@@ -48,9 +55,10 @@ def _text(value: float) -> str:
     return f"{value:.{min(MAX_DIGITS, max(0, digits))}f}"
 
 
-def _signed(value: float) -> str:
+def signed_text(value: float) -> str:
+    """Return a difference with its sign, as `figure_text` has numbers."""
     value = round(value, MAX_DIGITS)
-    return f"+{_text(value)}" if value > 0.0 else _text(value + 0.0)
+    return f"+{figure_text(value)}" if value > 0.0 else figure_text(value + 0.0)
 
 
 def notes_of(comparison: Comparison) -> list[str]:
@@ -128,7 +136,7 @@ def csv_of(comparison: Comparison) -> str:
     """Return `comparison.csv`: a line for each metric of each pair, empty cells for what there is not."""
     text = StringIO()
     lines = csv.writer(text, lineterminator="\n")
-    lines.writerow(("scenario", "ego", "seed", "metric", "sumo", "reactive", "compared"))
+    lines.writerow(CSV_COLUMNS)
     for pair in comparison.pairs:
         for name, (one, other) in pair.metrics.items():
             is_compared = int(pair.of(name) is not None)
@@ -138,6 +146,27 @@ def csv_of(comparison: Comparison) -> str:
 
 def _cell(value: MetricValue) -> MetricValue | str:
     return "" if value is None else value
+
+
+def recorded_pairs(folder: Path) -> dict[str, list[tuple[float, float]]]:
+    """Return for each metric of a comparison's folder the values of each pair, SUMO's own driver's and this one's, where
+    they can be compared. Raises ScenarioError for what is no such folder."""
+    path = folder / CSV_FILE
+    lines = csv.DictReader(text_of(path, most=MOST_CSV_BYTES).splitlines())
+    if not set(CSV_COLUMNS) <= set(lines.fieldnames or ()):
+        raise ScenarioError(f"{path}: not the pairs of a comparison: its first line lacks some of {', '.join(CSV_COLUMNS)}")
+    found: dict[str, list[tuple[float, float]]] = {}
+    for line in lines:
+        if line["compared"] != "1":
+            continue
+        try:
+            one, other = float(line["sumo"]), float(line["reactive"])
+        except (TypeError, ValueError):
+            one = other = math.nan
+        if line["metric"] not in EVERY or not abs(one) + abs(other) < MOST_FIGURE:
+            raise ScenarioError(f"{path}:{lines.line_num}: not a metric with two numbers")
+        found.setdefault(line["metric"], []).append((one, other))
+    return found
 
 
 def require_usable(folder: Path, overwrite: bool) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import bootstrap
+from scipy.stats import bootstrap, false_discovery_control, permutation_test
 
 CONFIDENCE = 0.95
 RESAMPLES = 9999
@@ -16,6 +16,12 @@ RESAMPLES = 9999
 
 BOOTSTRAP_SEED = 0
 """The same values give the same interval."""
+
+FEW = 10
+"""Fewer pairs than this show too little of how much they vary."""
+
+ALIKE = 1e-9
+"""Differences that vary by no more than this share are equal but for rounding: they have no effect size."""
 
 MIN_EXACT = 2
 """Fewer differences than this have no interval."""
@@ -44,6 +50,54 @@ class PairedDifference:
     second: float
     difference: float
     interval: ConfidenceInterval | None
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """A paired difference with its size, mean over standard deviation (Cohen's d_z; None: all differences are equal), and
+    how probable one as large is if drivers made none: `p` alone, `corrected` as one of many (both None: n = 1)."""
+
+    found: PairedDifference
+    size: float | None
+    p: float | None
+    corrected: float | None = None
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether it is there beyond doubt: among many, by at least FEW pairs."""
+        return self.corrected is not None and self.corrected < 1.0 - CONFIDENCE and self.found.n >= FEW
+
+
+def effects_among(pairs: Mapping[str, Sequence[tuple[float, float]]]) -> dict[str, Effect]:
+    """Return the effect on each metric from its pairs (first, second), those without a pair left out.
+
+    p is of a two-sided test that flips the signs of the differences at random, of all flips where they are few; corrected
+    for all metrics together, which depend on each other (Benjamini & Yekutieli 2001).
+    """
+    found = {name: _effect(values) for name, values in pairs.items() if values}
+    tested = [name for name, effect in found.items() if effect.p is not None]
+    if tested:
+        corrected = false_discovery_control([found[name].p for name in tested], method="by")
+        for name, value in zip(tested, corrected.tolist(), strict=True):
+            found[name] = replace(found[name], corrected=value)
+    return found
+
+
+def _effect(pairs: Sequence[tuple[float, float]]) -> Effect:
+    difference = paired_difference(pairs)
+    assert difference is not None
+    values = np.array([second - first for first, second in pairs])
+    if len(values) < MIN_EXACT:
+        return Effect(difference, None, None)
+    spread = float(values.std(ddof=1))
+    if not values.any():
+        return Effect(difference, None, 1.0)
+    is_alike = spread <= ALIKE * float(np.abs(values).max())
+    test = permutation_test(
+        (values,), np.mean, permutation_type="samples", vectorized=True, n_resamples=RESAMPLES,
+        random_state=np.random.default_rng(BOOTSTRAP_SEED),
+    )  # fmt: skip
+    return Effect(difference, None if is_alike else float(values.mean()) / spread, float(test.pvalue))
 
 
 def paired_difference(pairs: Sequence[tuple[float, float]]) -> PairedDifference | None:
