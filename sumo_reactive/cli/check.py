@@ -19,22 +19,26 @@ def check(
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="write the verdicts as JUnit XML")] = None,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="processes to run at the same time")] = 1,
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = 600.0,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="keep record and page of what was not met there")] = None,
 ) -> int:
     """Run every scenario with every seed it names, and tell what of its expectations was not met."""
     from sumo_reactive.lab.check import cases_of, run_cases
     from sumo_reactive.lab.discovery import scenario_files
 
     cases = [case for file in scenario_files(paths) for case in cases_of(file)]
-    if junit is not None:
-        from sumo_reactive.writing import require_writable
+    for target in (junit, out):
+        if target is not None:
+            from sumo_reactive.writing import require_writable
 
-        require_writable(junit)
+            require_writable(target, is_folder=target is out)
     note_compiling()
     width = max(len(case.name) for case in cases)
     verdicts = []
     for verdict in run_cases(cases, jobs, time_limit):
         typer.echo(_line(verdict, width))
         verdicts.append(verdict)
+    if out is not None:
+        verdicts = _kept(verdicts, out, time_limit)
     return _conclude(verdicts, junit)
 
 
@@ -43,6 +47,29 @@ def _line(verdict: Verdict, width: int) -> str:
     if verdict.is_met and result is not None:
         return f"met     {verdict.case.name:<{width}}  {result.duration_s:.1f} s driven in {verdict.outcome.wall_s:.1f} s"
     return f"FAILED  {verdict.case.name:<{width}}  {'; '.join(verdict.reasons)}"
+
+
+def _kept(verdicts: list[Verdict], out: Path, time_limit: float) -> list[Verdict]:
+    """Record each case that was not met in a folder of its own, with its page; return the verdicts with where that is."""
+    from sumo_reactive.lab.check import recorded
+    from sumo_reactive.lab.recorder import EgoFolders
+    from sumo_reactive.show.reports import page_beside, page_of
+    from sumo_reactive.writing import write_whole
+
+    folders, cases, kept = EgoFolders(()), set[str](), []
+    for verdict in verdicts:
+        if verdict.is_met:
+            kept.append(verdict)
+            continue
+        scenario = verdict.case.scenario
+        short = f"{scenario.source.stem}_seed_{scenario.seed}"
+        found = recorded(verdict, out / folders.of(verdict.case.name if short in cases else short), time_limit)
+        cases.add(short)
+        if found.record is not None:
+            page = page_beside(found.record)
+            write_whole(page, page_of(found.record, page))
+        kept.append(found)
+    return kept
 
 
 def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:

@@ -11,8 +11,9 @@ from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
 
+from sumo_reactive.lab.recorder import PAGE, SUMMARY
 from sumo_reactive.lab.result import TrialResult
-from sumo_reactive.lab.runner import run_all
+from sumo_reactive.lab.runner import Runner, run_all
 from sumo_reactive.lab.scenario import Expectation, Limit, Scenario, load_scenario_file
 from sumo_reactive.lab.task import Ending, Outcome, Task
 from sumo_reactive.writing import whole_file
@@ -43,11 +44,13 @@ class Case:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a case: why it was not met, line by line (empty: it was met)."""
+    """What became of a case: why it was not met, line by line (empty: it was met); `record`: the folder that it is recorded
+    in, as is the page of it (None: nowhere)."""
 
     case: Case
     outcome: Outcome
     reasons: tuple[str, ...]
+    record: Path | None = None
 
     @property
     def is_met(self) -> bool:
@@ -74,8 +77,22 @@ def verdict_on(case: Case, outcome: Outcome) -> Verdict:
     return Verdict(case, outcome, unmet(case.expectation, outcome.result))
 
 
+def recorded(verdict: Verdict, folder: Path, wall_limit_s: float) -> Verdict:
+    """Drive a case that came to its end again, which is the same trip, and record it in `folder`, in place of what is
+    recorded there; return the verdict with the folder, or with one reason more if that cannot be done."""
+    if verdict.outcome.ending is not Ending.DONE:
+        return verdict
+    with Runner() as runner:
+        ending, why, _ = runner.call(_RECORD, (verdict.case.task, folder), wall_limit_s)
+    if ending is Ending.DONE:
+        return replace(verdict, record=folder)
+    return replace(verdict, reasons=(*verdict.reasons, f"not recorded: {why}"))
+
+
 Told = tuple[Verdict, str]
 """A verdict, and all that is told about it (empty: it was met)."""
+
+_RECORD = "sumo_reactive.lab.simulation:run_recorded"
 
 _NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What XML cannot hold, such as the colours of a terminal."""
@@ -105,6 +122,9 @@ def _case(verdict: Verdict, text: str) -> TestCase:
         problem = Failure(message, "unmet") if ending is Ending.DONE else Error(message, ending.value)
         problem.text = _NO_XML.sub("", text)
         case.result = [problem]
+    if verdict.record is not None:
+        attached = (verdict.record / name for name in (PAGE, SUMMARY))
+        case.system_out = _NO_XML.sub("", "\n".join(f"[[ATTACHMENT|{path}]]" for path in attached))
     return case
 
 

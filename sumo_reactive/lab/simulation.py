@@ -25,7 +25,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.recorder import COLUMNS
+from sumo_reactive.lab.recorder import COLUMNS, Recorder
 from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
@@ -369,6 +369,13 @@ def run_observed(task: Task) -> dict[str, Any]:
     run = run_sumo_driver if task.driver is Driver.SUMO else run_trial
     result = run(task.scenario, observer=see)
     return {"result": result, "entries": tuple(entries(steps)), "trajectory": digest_of(steps)}
+
+
+def run_recorded(order: tuple[Task, Path]) -> None:
+    """Run a task in this process, and record it in a folder in place of what is recorded there."""
+    task, folder = order
+    recorder = Recorder(folder, overwrite=True)
+    recorder.write(run_trial(task.scenario, observer=recorder.see))
 
 
 def digest_of(steps: Iterable[StepRecord]) -> str:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from sumo_reactive.driver.nouns.decision import Decision
 from sumo_reactive.lab.check import Verdict
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
+from sumo_reactive.lab.recorder import PAGE
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.explain import decision_told, paragraph
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html, table
@@ -60,6 +61,8 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
             yield "the last decisions:"
             yield from _trace(entries, math.inf)
     yield f"replay: {verdict.case.replay}"
+    if verdict.record is not None:
+        yield f"record: {verdict.record}, page: {verdict.record / PAGE}"
 
 
 def faults_in(summary: Mapping[str, Any]) -> list[Fault]:
