@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Write digests of what the ego drives and decides, or compare them with those written before.
 
-    python tools/digests.py [--write] [--only TEXT] [--jobs N]
+    python tools/digests.py [--write | --also] [--only TEXT] [--jobs N]
     python tools/digests.py --trips CORPUS TRIPS.csv --file F [--seed N …] [--write] [--only TEXT] [--jobs N]
 
 Without `--trips` these are the scenarios of this repository with both profiles and the seeds 42, 1 and 2, and the file is
@@ -10,7 +10,9 @@ step_length_s; seed 42 unless given. A run is called "scenario profile seed", a 
 takes those whose name holds TEXT. Each run is written when it has ended; what the file says of others stays.
 
 A digest is of time, place, heading, speed, acceleration and steering angle in millionths, and of each decision's time and
-words: not of the last bits of a machine's arithmetic, and not of wall-clock times. Where two runs part, the time and the
+words: not of the last bits of a machine's arithmetic, and not of wall-clock times. Machines with other vector instructions
+differ in such bits, and where two commands are as good as each other, these decide: `--also` keeps what a run is on this
+machine beside what it is on others, and a run that is like one of them is as before. Where two runs part, the time and the
 columns are told. Exit codes: 0, 1 if a run differs, or cannot be made when it is written, 2 for wrong input.
 """
 
@@ -72,13 +74,13 @@ def main() -> None:
         raise SystemExit(_complain(f"no run whose name holds '{asked.only}'"))
     wrong = 0
     for name, digests in driven(chosen, asked.jobs, asked.timeout):
-        parts = "" if asked.write else parting(known.get(name), digests)
-        wrong += not digests["steps"] if asked.write else bool(parts)
+        parts = "" if asked.write else parting_from_all(known.get(name, ()), digests)
+        wrong += not digests["steps"] if asked.write or asked.also else bool(parts)
         print(f"{name}: {parts or digests['told']}", flush=True)
-        if asked.write:
-            known[name] = digests
+        if asked.write or (asked.also and parts):
+            known[name] = [digests] if asked.write else [*known.get(name, []), digests]
             _write(asked.file, known)
-    print(f"{len(chosen)} runs, {wrong} {'failed' if asked.write else 'differ'}")
+    print(f"{len(chosen)} runs, {wrong} {'failed' if asked.write or asked.also else 'differ'}")
     raise SystemExit(int(wrong > 0))
 
 
@@ -87,6 +89,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--trips", type=Path, nargs=2, metavar=("CORPUS", "TRIPS.csv"), help="drive a list of trips instead")
     parser.add_argument("--file", type=Path, metavar="F", help="the digests; else those of this repository's scenarios")
     parser.add_argument("--write", action="store_true", help="write the file instead of comparing")
+    parser.add_argument("--also", action="store_true", help="keep beside what is there what differs on this machine")
     parser.add_argument("--only", default="", metavar="TEXT", help="runs whose name holds this text")
     parser.add_argument("--seed", type=int, nargs="+", metavar="N", help=f"of trips; default {DEFAULT_SEED}")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time; default 1")
@@ -247,10 +250,14 @@ def _block_size(step_s: float) -> int:
     return max(1, round(BLOCK_S / step_s)) if step_s > 0.0 else 1
 
 
-def parting(before: Digests | None, now: Digests) -> str:
+def parting_from_all(known: Sequence[Digests], now: Digests) -> str:
+    """Return in one line where a run parts from the first of those known, one a kind of machine; empty: it is like one."""
+    parts = [parting(one, now) for one in known]
+    return "" if "" in parts else next(iter(parts), "differs: not in the file")
+
+
+def parting(before: Digests, now: Digests) -> str:
     """Return in one line where two runs part; empty: they are alike."""
-    if before is None:
-        return "differs: not in the file"
     if not before["steps"] or not now["steps"]:
         return "" if before["told"] == now["told"] else f"differs: {before['told']}; now {now['told']}"
     found = []
@@ -290,14 +297,14 @@ def _time(digests: Digests, step: int) -> str:
     return f"{digests['first_s'] + step * digests['step_s']:.2f} s"
 
 
-def _read(path: Path) -> dict[str, Digests]:
+def _read(path: Path) -> dict[str, list[Digests]]:
     try:
         return dict(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError) as error:
         raise ScenarioError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
 
 
-def _write(path: Path, runs: Mapping[str, Digests]) -> None:
+def _write(path: Path, runs: Mapping[str, Sequence[Digests]]) -> None:
     """Write a line a run, so that a difference of two files names the runs."""
     lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(one)}" for name, one in sorted(runs.items()))
     partial = path.with_name(f"{path.name}.partial")

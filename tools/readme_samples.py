@@ -48,6 +48,7 @@ SHORT_RUN = ("--scenario", str(ROOT / "scenarios" / "multi_lane_road.toml"), "--
 """About 60 vehicles; the cases with more take minutes."""
 
 _BEHAVIOUR = re.compile(r"(Normal driving|Cautious driving|Overtaking|Stopping at a location|Crossing the intersection):")
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _NO_DIFFERENCE = re.compile(r" 0 +0 … 0$")
 
 
@@ -63,7 +64,9 @@ def main() -> None:
             fresh = replaced(fresh, name, SAMPLES[name]())
     if asked.timings:
         fresh = replaced(fresh, "timings", timings(asked.timings))
-    stale = [name for name in (*SAMPLES, "timings") if sample_in(text, name) != sample_in(fresh, name)]
+    stale = [name for name in (*SAMPLES, "timings") if not is_alike(sample_in(text, name), sample_in(fresh, name))]
+    if asked.check and not stale:
+        fresh = text
     if asked.check:
         before, after = text.splitlines(keepends=True), fresh.splitlines(keepends=True)
         print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)), end="")
@@ -84,6 +87,27 @@ def _arguments() -> argparse.Namespace:
     if unknown := [name for name in asked.names if name not in SAMPLES]:
         parser.error(f"no sample named {', '.join(unknown)}; there are {', '.join(SAMPLES)}")
     return asked
+
+
+def is_alike(one: str, other: str) -> bool:
+    """Whether two samples say the same but for their columns' widths and one in the last digit of numbers, as machines with
+    other vector instructions have them."""
+    words, others = one.split(), other.split()
+    return len(words) == len(others) and all(map(_is_alike, words, others))
+
+
+def _is_alike(one: str, other: str) -> bool:
+    if one == other or set(one + other) == {"─"}:
+        return True
+    if _NUMBER.sub("#", one) != _NUMBER.sub("#", other):
+        return False
+    pairs = zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True)
+    return all(abs(float(a) - float(b)) <= 1.01 * 10.0 ** -max(_digits(a), _digits(b)) for a, b in pairs if a != b)
+
+
+def _digits(number: str) -> int:
+    """Return how many digits of a number stand behind its point; with none, no other number is like it."""
+    return len(number.partition(".")[2]) or 9
 
 
 def sample_in(text: str, name: str) -> str:

@@ -81,7 +81,7 @@ def test_a_run_that_fails_as_before_is_no_difference_and_one_that_fails_now_is()
     failed = digests._nothing("unknown ego")
     assert digests.parting(failed, dict(failed)) == ""
     assert digests.parting(drive(), failed) == "differs: arrived at 139.90 s, 2 decisions; now failed: unknown ego"
-    assert digests.parting(None, failed) == "differs: not in the file"
+    assert digests.parting_from_all((), failed) == "differs: not in the file"
 
 
 def test_a_list_of_trips_is_written_and_compared(tmp_path):
@@ -94,7 +94,7 @@ def test_a_list_of_trips_is_written_and_compared(tmp_path):
     assert written.stdout.splitlines()[-1] == "4 runs, 2 failed"
     stored = json.loads(file.read_text(encoding="utf-8"))
     assert list(stored) == [f"{name} default {seed}" for name in ("cross ego", "ghost nobody") for seed in (42, 7)]
-    assert stored["cross ego default 42"]["told"].startswith("arrived at 45.")
+    assert stored["cross ego default 42"][0]["told"].startswith("arrived at 45.")
     compared = run_tool("digests", *arguments)
     assert (compared.returncode, compared.stdout.splitlines()[-1]) == (0, "2 runs, 0 differ"), compared.stdout
     stored["cross ego default 42"] = stored["cross ego default 7"]
@@ -102,6 +102,10 @@ def test_a_list_of_trips_is_written_and_compared(tmp_path):
     differs = run_tool("digests", *arguments, "--only", "cross")
     assert differs.returncode == 1
     assert differs.stdout.startswith("cross ego default 42: differs: at ")
+    assert run_tool("digests", *arguments, "--only", "cross", "--also").returncode == 0
+    both = json.loads(file.read_text(encoding="utf-8"))
+    assert [len(both[f"cross ego default {seed}"]) for seed in (42, 7)] == [2, 1]
+    assert run_tool("digests", *arguments, "--only", "cross").stdout.endswith("1 runs, 0 differ\n")
 
 
 def test_a_scenario_of_this_repository_drives_and_decides_as_checked_in():

@@ -31,6 +31,18 @@ def test_every_sample_of_the_readme_is_what_the_code_says():
     assert (answer.returncode, answer.stdout.strip()) == (0, "up to date"), answer.stdout + answer.stderr
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        ("a  1.95 [1.778, 2.219]", "a 1.951 [1.779, 2.219]", True), ("-3.35", "-3.36", True), ("────", "───", True),
+        ("1.95", "1.97", False), ("1.951", "1.953", False), ("12 runs", "13 runs", False), ("3 of 3", "3 of 3 of", False),
+        ("veh_1.5", "car_1.5", False), ("-3.35", "+3.35", False),
+    ],
+)  # fmt: skip
+def test_two_samples_are_alike_but_for_widths_and_one_in_the_last_digit(tool, one, other, alike):
+    assert tool.is_alike(one, other) is alike
+
+
 def test_every_place_for_a_sample_has_its_maker_and_every_block_of_text_its_place(tool):
     text = README.read_text(encoding="utf-8")
     assert sorted(re.findall(r"<!-- sample: (\w+) -->", text)) == sorted([*tool.SAMPLES, "timings"])
