@@ -65,11 +65,9 @@ def main() -> None:
     if asked.timings:
         fresh = replaced(fresh, "timings", timings(asked.timings))
     stale = [name for name in (*SAMPLES, "timings") if not is_alike(sample_in(text, name), sample_in(fresh, name))]
-    if asked.check and not stale:
-        fresh = text
     if asked.check:
         before, after = text.splitlines(keepends=True), fresh.splitlines(keepends=True)
-        print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)), end="")
+        print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)) if stale else "", end="")
     else:
         asked.readme.write_text(fresh, encoding="utf-8")
     print(f"{'out of date' if asked.check else 'written'}: {', '.join(stale)}" if stale else "up to date")

@@ -11,7 +11,7 @@ from pathlib import Path
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import EGO_METRICS
-from sumo_reactive.lab.comparison.record import NO_INTERVAL, figure_text, recorded_pairs, signed_text
+from sumo_reactive.lab.comparison.record import figure_text, interval_text, recorded_pairs, signed_text
 from sumo_reactive.lab.comparison.statistics import CONFIDENCE, Effect, effects_among
 from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.lab.schema import nearest
@@ -79,12 +79,11 @@ def _stored_pairs(results: Results, metrics: Sequence[str]) -> dict[str, dict[st
 
 
 def _cells(name: str, effect: Effect) -> list[str]:
-    found, interval = effect.found, effect.found.interval
-    limits = NO_INTERVAL if interval is None else f"{signed_text(interval.low)} … {signed_text(interval.high)}"
+    found = effect.found
     ps = ("none" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}" for p in (effect.p, effect.corrected))
     return [
         EVERY[name].title, str(found.n), figure_text(found.first), figure_text(found.second), signed_text(found.difference),
-        limits, "none" if effect.size is None else f"{effect.size:+.2f}", *ps,
+        interval_text(found.interval), "none" if effect.size is None else f"{effect.size:+.2f}", *ps,
     ]  # fmt: skip
 
 

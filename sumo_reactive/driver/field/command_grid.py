@@ -74,7 +74,7 @@ def lattice(limits: VehicleLimits, speed: float, acceleration: float, period: fl
 def accelerations_about(acceleration: float, change: float, planned: float, emergency: float, most: float) -> Floats:
     """Return the accelerations (a,) of a lattice, m/s², rising: the present one, `change` to both sides of it, and from the
     `planned` deceleration to that of an `emergency`; none beyond the latter, none above `most`."""
-    gentle = max(acceleration, -planned)
+    gentle = max(acceleration, -planned)  # plus 0, of which there is but one then
     nodes = np.array([-emergency, -0.5 * (planned + emergency), -planned, gentle - change, gentle + 0.0, gentle + change])
     nodes = np.sort(np.minimum(np.maximum(nodes, -emergency), most))
     n = 1

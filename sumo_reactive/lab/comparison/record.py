@@ -39,10 +39,11 @@ def comparison_rows(comparison: Comparison) -> list[tuple[str, ...]]:
 
 def _row(name: str, found: PairedDifference) -> tuple[str, ...]:
     first, second, difference = figure_text(found.first), figure_text(found.second), signed_text(found.difference)
-    return EVERY[name].title, str(found.n), first, second, difference, _limits(found.interval)
+    return EVERY[name].title, str(found.n), first, second, difference, interval_text(found.interval)
 
 
-def _limits(interval: ConfidenceInterval | None) -> str:
+def interval_text(interval: ConfidenceInterval | None) -> str:
+    """Return the limits of a difference; None: one pair has none."""
     return NO_INTERVAL if interval is None else f"{signed_text(interval.low)} … {signed_text(interval.high)}"
 
 
