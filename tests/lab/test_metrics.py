@@ -94,6 +94,13 @@ def test_a_stop_line_crossed_on_red_before_the_step_and_in_it_is_a_red_light_run
     assert len(violations_of(jury)) == jury.figures()["red_lights_run"] == runs
 
 
+@pytest.mark.parametrize(("then", "runs"), [("before", 0), ("behind", 1)])
+def test_a_line_before_which_the_ego_is_again_was_not_crossed(jury, then, runs):
+    for t, (lane, letters) in enumerate((("before", ""), ("inside", "rr"), ("inside", ""), (then, ""), ("before", ""))):
+        jury.see(Scene(record(0.1 * t, lane_id=lane), (), letters))
+    assert jury.figures()["red_lights_run"] == runs
+
+
 def _brakes_behind(x, y=0.0):
     return lambda t: [user(x=x, y=y, speed=15.0 if t < 0.15 else 14.0)]
 

@@ -24,16 +24,25 @@ NO_GO = frozenset("rRu")
 class RedLights:
     """Counts stop lines crossed under a letter that forbids it, before the step and in it.
 
-    Lights and the line are SUMO's, not what the driver has seen of them.
+    Lights and the line are SUMO's, not what the driver has seen of them. A crossing after which SUMO has the ego before the
+    line again was none: it had taken a body beside the lane for one inside the junction.
     """
 
     def __init__(self) -> None:
         self.faults: list[Fault] = []
+        self._lane, self._before = "", ""
 
     def see(self, moment: Moment) -> None:
-        """Note a crossing on red."""
+        """Note a crossing on red, and whether it was none."""
+        lane = moment.step.lane_id
+        if self._before and lane == self._before:
+            self.faults.pop()
         if moment.crossed and NO_GO.issuperset(moment.crossed):
-            self.faults.append(Fault(moment.step.time, "red light run", "", moment.step.lane_id))
+            self.faults.append(Fault(moment.step.time, "red light run", "", lane))
+            self._before = self._lane
+        elif lane != self._lane:
+            self._before = ""
+        self._lane = lane
 
     def figures(self) -> Figures:
         """Return the number of red lights run."""
