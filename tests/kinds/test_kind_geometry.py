@@ -31,6 +31,14 @@ def test_a_sharp_turn_is_driven(tmp_path, turn, side):
     assert run.complaints() == []
 
 
+def test_a_car_waits_for_those_into_whose_lane_it_must_swing_behind_a_turn_drawn_too_tight(tmp_path):
+    nodes = node("a", -25, -120) + node("b", 0, 0) + node("c", 25, -120) + node("d", -25, 160)
+    net = Net(nodes, "".join(edge(ends) for ends in ("ab", "bc", "cb", "bd")))
+    oncoming = stream("on", "cb bd", [4.0 * k for k in range(8)])
+    run = driven(tmp_path, net, car("ego", "ab bc", 2.1), oncoming, until=120)
+    assert run.complaints(slower=2.5) == []  # nobody else looks where it swings: it waits for the last of them
+
+
 @pytest.mark.parametrize(("lanes", "step"), [(1, 0.1), (2, 0.1), (1, 0.25), (1, 0.5), (1, 1.0)])
 def test_the_ego_turns_round_at_a_dead_end(tmp_path, lanes, step):
     net = Net(node("a", 0, 0) + node("b", 80, 0), edge("ab", numLanes=lanes) + edge("ba", numLanes=lanes), options=())

@@ -59,14 +59,33 @@ class _OtherWay(NamedTuple):
 @kept(PLANS_KEPT)
 def swept_conflicts(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> Mapping[int, tuple[Conflict, ...]]:
     """Return the conflicts with those over whose ways the body swings where the map calls them free, by passage."""
-    if limits.length <= ORDINARY_M:
-        return {}
     found = {}
     for i, passage in enumerate(plan.passages):
         junction = graph.junctions.get(passage.junction_id)
-        if junction is not None and not any(turn.holds(passage) for turn in plan.turnarounds):
+        if junction is None or any(turn.holds(passage) for turn in plan.turnarounds):
+            continue
+        if limits.length > ORDINARY_M or _swings_out(plan, passage, graph):
             found[i] = tuple(_conflicts(plan, passage, junction, graph, limits))
     return {i: conflicts for i, conflicts in found.items() if conflicts}
+
+
+def _swings_out(plan: NominalPlan, passage: Passage, graph: RoadGraph) -> bool:
+    """Whether C leaves the map's way through a junction by more than BESIDE_OWN_WAY_M, other than to change lanes: a turn
+    drawn tighter than a car can drive."""
+    curve, until = plan.curve, passage.end + HOLD_BACK_REACH_M
+    until = min((change.start for change in plan.lane_changes if change.end > passage.start), default=until)
+    at = slice(max(int(passage.start / curve.step), 0), int(min(until, passage.end + HOLD_BACK_REACH_M) / curve.step))
+    places = shapely.points(curve.x[at], curve.y[at])
+    way = _own_way(graph, graph.connections[passage.connection_id])
+    return bool((shapely.distance(places, way) > BESIDE_OWN_WAY_M).any())
+
+
+def _own_way(graph: RoadGraph, own: Connection) -> Any:
+    """Return the line that the map draws for a passage, with the road before and behind it."""
+    before, behind = graph.lanes[own.from_lane].spine, graph.lanes[own.to_lane].spine
+    reach = HOLD_BACK_REACH_M
+    parts = [cut(before, max(before.length - reach, 0.0), before.length), own.path.points]
+    return shapely.linestrings(joined([*parts, cut(behind, 0.0, min(behind.length, reach))]))
 
 
 def _conflicts(
@@ -75,7 +94,7 @@ def _conflicts(
     own, bodies = graph.connections[passage.connection_id], _bodies(plan, passage, limits)
     if bodies is None:
         return
-    line = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
+    line = _own_way(graph, own)
     ground = shapely.buffer(shapely.box(*shapely.total_bounds(bodies.boxes)), 0.5 * SWEPT_WIDTH_M)
     known = {region.other_id for region in graph.regions_on(own)}
     reach = max(HOLD_BACK_REACH_M, limits.length)  # behind a sharp turn it is crooked for its length
