@@ -14,7 +14,7 @@ from sumo_reactive.driver.field.velocity import carried_out, cruise_speed, rolli
 from sumo_reactive.driver.geometry.polyline import wrapped
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Neighbour, Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
@@ -107,9 +107,13 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
 
 
 def _hard(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstraint]:
-    """Yield the constraints that the ego can stop for: the pilot's, and the leaders, who move."""
+    """Yield the constraints that the ego can stop for: the pilot's, and the leaders, who move.
+
+    Who stands is no leader of an ego that squeezes out of a local minimum: only that no command may touch him holds it.
+    """
     yield from (one for one in completed.constraints if one.is_hard)
-    yield from snapshot.leaders
+    squeezes = completed.instruction is Instruction.WIDEN
+    yield from (leader for leader in snapshot.leaders if leader.speed > 0.0 or not squeezes)
 
 
 def _rolling(constraint: TimeConstraint, snapshot: Snapshot, limits: VehicleLimits, comfort: float) -> float:

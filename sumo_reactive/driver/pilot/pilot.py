@@ -47,7 +47,7 @@ class Style(NamedTuple):
 
 class Orders(NamedTuple):
     """What the pilot orders: instruction, every place to stop at, what it asks of the planner, why; the memory of it; a
-    speed not to exceed (m/s)."""
+    speed not to exceed (m/s), and why not."""
 
     instruction: Instruction
     stops: tuple[TimeConstraint, ...]
@@ -55,6 +55,7 @@ class Orders(NamedTuple):
     decisions: tuple[Decision, ...]
     memory: PilotMemory
     top_speed: float = math.inf
+    slow_because: Reason = Reason.GAP_LOST
 
 
 def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
@@ -250,6 +251,8 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
         request=orders.request if orders.request.what is not Replanning.NOTHING else Request(way.replanning),
         decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
         memory=memory,
+        top_speed=way.top_speed,
+        slow_because=way.decision.reason,
     )
 
 
@@ -283,7 +286,7 @@ def _limits_of(orders: Orders, changing: LaneChanging, snapshot: Snapshot) -> tu
     if changing.slot:
         found.append(TimeConstraint(snapshot.front, reason=Reason.NO_GAP, behind=changing.slot))
     if orders.top_speed < math.inf:
-        found.append(TimeConstraint(snapshot.front, speed=orders.top_speed, reason=Reason.GAP_LOST))
+        found.append(TimeConstraint(snapshot.front, speed=orders.top_speed, reason=orders.slow_because))
     return tuple(found)
 
 

@@ -12,7 +12,7 @@ from sumo_reactive.driver.field.executor import COARSE_STOP_MARGIN_M, execute
 from sumo_reactive.driver.field.velocity import cruise_speed
 from sumo_reactive.driver.nouns.completed_plan import Tuning, VelocityProfile, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind, stop_at
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import STOP_PLACE
 from sumo_reactive.driver.nouns.snapshot import Neighbour
 from sumo_reactive.driver.parameters import USUAL
@@ -121,6 +121,17 @@ def test_the_speed_behind_a_leader_keeps_the_headway_and_the_gap_of_a_stand():
     asked_for = following_speed(20.0 - CAR.standstill_gap, 6.0, CAR.comfort_deceleration, CAR.time_headway)
     wish = desired_speed(snapshot(asked_for, leaders=(leader,)), asked(ROAD), CAR, PERIOD)
     assert wish == (pytest.approx(asked_for), False, "")
+
+
+@pytest.mark.parametrize(("speed", "free"), [(0.0, True), (0.5, False)])
+def test_who_stands_is_no_leader_of_an_ego_that_squeezes_past_him_and_who_moves_is(speed, free):
+    leader = stay_behind("x", FRONT + 2.0, speed, 8.0)
+    squeezing = replace(asked(ROAD), instruction=Instruction.WIDEN)
+    seen_now = snapshot(0.0, leaders=(leader,))
+    wish = desired_speed(seen_now, squeezing, CAR, PERIOD)
+    assert (wish == desired_speed(snapshot(0.0), squeezing, CAR, PERIOD)) is free
+    assert desired_speed(seen_now, asked(ROAD), CAR, PERIOD).speed < wish.speed or not free
+    assert (room_to_brake(seen_now, squeezing) == math.inf) is free
 
 
 def test_a_longer_headway_is_kept_where_the_instruction_says_so():

@@ -1,5 +1,6 @@
 """Leaving local minima: room, backing up, a new curve, more commands, and who is to blame (F&L 1991, §3.3)."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -85,6 +86,19 @@ def test_who_blocks_the_ego_is_named():
     x = ego.ahead("x", 3.0, 0.0, halted=True)
     decision = escape(ego.considered(x, events=STUCK)).decision
     assert (decision.reason, decision.cause) == (Reason.BLOCKED, "x")
+
+
+def test_past_somebody_who_waits_across_the_way_the_ego_squeezes_at_walking_speed():
+    ego, x = standing(3.0, halted=False)
+    across = x._replace(heading=x.heading + 0.7 * math.pi)
+    way_out = escape(ego.considered(across, events=STUCK))
+    assert (way_out.decision.reason, way_out.decision.cause) == (Reason.BLOCKED, "x")
+    assert (way_out.instruction, way_out.top_speed) == (Instruction.WIDEN, 1.0)
+
+
+def test_the_ego_does_not_squeeze_past_somebody_who_has_halted():
+    ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 0.0, lane=2)
+    assert escape(ego.considered(ego.ahead("x", 3.0, 0.0, halted=True), events=STUCK)).instruction is None
 
 
 def test_a_queue_has_the_right_to_block_the_ego():

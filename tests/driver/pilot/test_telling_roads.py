@@ -382,6 +382,7 @@ delay 0.00 on 0.00 1
 """,
     wants_more_commands: """
 NORMAL: WIDEN, DRIVE
+from -199.99 to 1.00 NO_PROGRESS
 tuned 4.00 1.00 1.00
 STOPPING because NO_PROGRESS
 0 regions

@@ -28,13 +28,19 @@ _NO_RIGHT = (Reason.BLOCKED, Reason.NO_GAP)
 """Stops for these reasons are nobody's right."""
 
 
+_SQUEEZING_SPEED = 1.0
+"""m/s; walking speed: no faster than this does the ego squeeze past a body that stands in its corridor."""
+
+
 class Escape(NamedTuple):
-    """A way out of a local minimum: an instruction, a stop that goes with it, a new curve; and the decision behind it."""
+    """A way out of a local minimum: an instruction, a stop that goes with it, a new curve, a speed not to exceed (m/s); and
+    the decision behind it."""
 
     decision: Decision
     instruction: Instruction | None = None
     stop: TimeConstraint | None = None
     replanning: Replanning = Replanning.NOTHING
+    top_speed: float = math.inf
 
 
 def room_behind(situation: Situation) -> TimeConstraint | None:
@@ -52,8 +58,9 @@ def room_behind(situation: Situation) -> TimeConstraint | None:
 def escape(situation: Situation) -> Escape | None:
     """Return a way out, tried in this order; None when there is nothing to escape from.
 
-    Somebody who has halted too near to swing out: back up at walking speed. Nobody in the way: a new C, then a wider
-    command grid with a weaker hold of C. Else: say who blocks the ego.
+    Somebody who has halted too near to swing out: back up at walking speed. Somebody who waits in the corridor, but does
+    not drive the ego's way: squeeze past, if any command of a wider grid with a weaker hold of C touches nobody. Nobody in
+    the way: a new C, then that wider grid.
     """
     x = situation.ahead_of_ego
     if x is not None and _is_too_near(situation, x):
@@ -64,11 +71,12 @@ def escape(situation: Situation) -> Escape | None:
     if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
         return None
     if x is not None and x.start - situation.snapshot.front < situation.limits.parameters.halted_room_m + 1.0:
-        return Escape(Decision(Behaviour.STOPPING, Reason.BLOCKED, cause=x.user.id))
+        decision = Decision(Behaviour.STOPPING, Reason.BLOCKED, cause=x.user.id)
+        return Escape(decision) if x.user.is_halted else Escape(decision, Instruction.WIDEN, top_speed=_SQUEEZING_SPEED)
     decision = Decision(Behaviour.STOPPING, Reason.NO_PROGRESS)
     if situation.memory.escapes % 2 == 0:
         return Escape(decision, replanning=Replanning.CURVE if due else Replanning.NOTHING)
-    return Escape(decision, Instruction.WIDEN)
+    return Escape(decision, Instruction.WIDEN, top_speed=_SQUEEZING_SPEED)
 
 
 def _has_right(situation: Situation, x: PathObstacle | None) -> bool:
