@@ -97,8 +97,8 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
         if asked < wish.speed:
             braking = _braking(speed, final, away, _room(constraint, front), limits, comfort)
             wish = _lower(wish, asked, speed, braking, period, constraint.behind or STOP_PLACE)
-    for constraint in completed.constraints:
-        slot = _slot(snapshot, constraint.behind) if constraint.behind else None
+    for constraint in completed.slots:
+        slot = _slot(snapshot, constraint.behind)
         if slot is not None:
             gap = slot.ahead - slot.user.body.length
             following = following_speed(gap, slot.user.speed, comfort, snapshot.parameters.slot_headway_s)
@@ -111,7 +111,7 @@ def _hard(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstrai
 
     Who stands is no leader of an ego that squeezes out of a local minimum: only that no command may touch him holds it.
     """
-    yield from (one for one in completed.constraints if one.is_hard)
+    yield from completed.hard
     squeezes = completed.instruction is Instruction.WIDEN
     yield from (leader for leader in snapshot.leaders if leader.speed > 0.0 or not squeezes)
 
@@ -202,8 +202,8 @@ def _slot(snapshot: Snapshot, user_id: str) -> Neighbour | None:
 def _targets(snapshot: Snapshot, completed: CompletedPlan) -> Iterator[TimeConstraint]:
     """Yield the (l, t_l) ahead that set no more than the desired speed; of those of the schedule the next one."""
     schedule = False
-    for one in completed.constraints if snapshot.parameters.has(Mechanism.TIMES) else ():
-        if one.s > snapshot.front and not one.is_hard and one.time < math.inf:
+    for one in completed.timed_ones if snapshot.parameters.has(Mechanism.TIMES) else ():
+        if one.s > snapshot.front:
             if one.reason is not Reason.ON_SCHEDULE or not schedule:
                 yield one
             schedule = True
@@ -215,7 +215,7 @@ def _cruise(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits,
     acceleration = limits.max_acceleration * completed.tuning.profile.acceleration
     sample = int((snapshot.s + speed * period) / plan.curve.step) + 1
     road = plan.speed_limits.item(min(max(sample, 0), len(plan.speed_limits) - 1))
-    best = min([road, *(one.speed for one in completed.constraints if one.s <= snapshot.front)])
+    best = min([road, *(one.speed for one in completed.speeds if one.s <= snapshot.front)])
     for target in _targets(snapshot, completed):
         tolerance = snapshot.parameters.time_tolerance_s if target.reason is Reason.ON_SCHEDULE else 0.0
         left = target.time - snapshot.time - tolerance

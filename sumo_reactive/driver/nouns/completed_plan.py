@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cached_property
 
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
@@ -73,7 +75,7 @@ class Request:
     stays: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CompletedPlan:
     """P⁺: what the executor tracks until the pilot says otherwise.
 
@@ -97,10 +99,31 @@ class CompletedPlan:
     regions: tuple[RegionState, ...] = ()
     move: Move | None = None
 
-    @property
+    @cached_property
+    def hard(self) -> tuple[TimeConstraint, ...]:
+        """The places to stop at, in the order of `constraints`; so are the others below, each sorted out once for all steps
+        in which the plan is in force."""
+        return tuple(one for one in self.constraints if one.is_hard)
+
+    @cached_property
+    def timed_ones(self) -> tuple[TimeConstraint, ...]:
+        """The (l, t_l) that set no more than the desired speed."""
+        return tuple(one for one in self.constraints if not one.is_hard and one.time < math.inf)
+
+    @cached_property
+    def speeds(self) -> tuple[TimeConstraint, ...]:
+        """What the ego is to be no faster at."""
+        return tuple(one for one in self.constraints if one.speed < math.inf)
+
+    @cached_property
+    def slots(self) -> tuple[TimeConstraint, ...]:
+        """Whom the ego falls in behind."""
+        return tuple(one for one in self.constraints if one.behind)
+
+    @cached_property
     def stop(self) -> TimeConstraint | None:
         """The nearest place to stop at (None: there is none)."""
-        return min((one for one in self.constraints if one.is_hard), key=lambda one: one.s, default=None)
+        return min(self.hard, key=lambda one: one.s, default=None)
 
     def held(self) -> CompletedPlan:
         """Return the plan as it stays in force until the next event: what it asked for once is not asked again."""

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from struct import pack_into
+from struct import Struct
 
 import numpy as np
 
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.geometry.curve import project_on_curve
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
-from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.plan import NominalPlan, Passage
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
@@ -46,6 +47,8 @@ SWUNG_STEP_M = 1.0
 """Who comes over C farther along his way is looked for in such steps."""
 
 _NO_BOXES: Floats = np.empty((0, 6))
+
+_BOX = Struct("6d")
 
 
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
@@ -105,13 +108,9 @@ def _boxes(users: tuple[RoadUser, ...]) -> Floats:
     """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
     if not users:
         return _NO_BOXES
-    flat: list[float] = []
-    for user in users:
-        flat += user[1:5]  # x, y, heading, speed: taken by place, for it is done for everybody at every step
-        flat += user.body[:2]  # length, width
-    packed = bytearray(8 * len(flat))
-    pack_into(f"{len(flat)}d", packed, 0, *flat)
-    return np.frombuffer(packed).reshape(-1, 6)
+    pack = _BOX.pack
+    packed = [pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users]  # by place: it is done for all at every step
+    return np.frombuffer(bytearray().join(packed)).reshape(-1, 6)
 
 
 def _near(
@@ -186,19 +185,13 @@ def _swings_back(
 ) -> Iterator[TimeConstraint]:  # fmt: skip
     """Yield a leader for everybody who is before the ego on its own way through a junction, beside C now, and will come over
     it: in a turn that the map draws too tight for the ego, C keeps off that way until its end."""
-    curve, known = plan.curve, {obstacle.user.id for obstacle in on_path}
-    for passage in plan.passages:
-        if not passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end:
-            continue
-        connection = graph.connections[passage.connection_id]
-        inside = {part: at for part, at in graph.lanes_behind(connection) if part != connection.to_lane}
-        scale = (passage.end - passage.start) / max(connection.path.length, 0.1)
-        for user in users:
-            at = inside.get(user.lane_id)
-            if at is None or user.id in known or passage.start + (at + user.lane_position) * scale <= front:
+    curve, inside, known = plan.curve, _ways_inside(plan, graph), {obstacle.user.id for obstacle in on_path}
+    for user in users:
+        for passage, at, scale, left in inside.get(user.lane_id, ()) if user.id not in known else ():
+            is_near = passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end
+            if not is_near or passage.start + (at + user.lane_position) * scale <= front:
                 continue
-            left = connection.path.length - at - user.lane_position + user.body.length
-            ways = np.arange(0.0, left, SWUNG_STEP_M)
+            ways = np.arange(0.0, left - user.lane_position + user.body.length, SWUNG_STEP_M)
             boxes = np.array([place for way in ways for place in places_after(graph, user._replace(speed=1.0), way)[1:]])
             _, stretches = blocking_ones(
                 boxes.reshape(-1, 6), curve.x, curve.y, curve.heading, curve.step, front, passage.end + user.body.length,
@@ -207,6 +200,21 @@ def _swings_back(
             if len(stretches):
                 first = float(stretches[:, 0].min())
                 yield stay_behind(user.id, first, 0.0, user.body.emergency_deceleration)
+
+
+@kept(PLANS_KEPT)
+def _ways_inside(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[tuple[Passage, float, float, float], ...]]:
+    """Return, by lane inside a junction that the plan passes: the passage, where the lane starts behind the stop line (m),
+    metres of C to one of the map's way, and that way's length from the start of the lane on (m)."""
+    found: dict[str, tuple[tuple[Passage, float, float, float], ...]] = {}
+    for passage in plan.passages:
+        connection = graph.connections[passage.connection_id]
+        length = connection.path.length
+        scale = (passage.end - passage.start) / max(length, 0.1)
+        for part, at in graph.lanes_behind(connection):
+            if part != connection.to_lane:
+                found[part] = (*found.get(part, ()), (passage, at, scale, length - at))
+    return found
 
 
 def _neighbours(users: tuple[RoadUser, ...], axis: Mapping[str, float], own: float) -> Iterator[Neighbour]:
