@@ -28,7 +28,7 @@ from unittest.mock import patch
 from compare_profiles import PROFILES, drive_once, known_names, table
 
 from sumo_reactive.cli.main import main as sumo_reactive
-from sumo_reactive.lab.metric_names import METRICS, OTHERS, TIMINGS, Metric
+from sumo_reactive.lab.metric_names import METRICS, NETWORK, OTHERS, TIMINGS, Metric
 
 ROOT = Path(__file__).resolve().parent.parent
 README = ROOT / "README.md"
@@ -197,7 +197,8 @@ def metrics() -> str:
     own = {key: metric for key, metric in METRICS.items() if not key.startswith("events_")}
     events = len(METRICS) - len(own)
     last = f"| `events_…` | event: … |  | how often each of the {events} kinds of event activated the pilot |"
-    return f"{_metric_table(own)}\n{last}\n\nA comparison adds, of all others:\n\n{_metric_table(OTHERS)}"
+    others = f"A comparison adds, of all others:\n\n{_metric_table(OTHERS)}"
+    return f"{_metric_table(own)}\n{last}\n\n{others}\n\nA run with a share of egos has:\n\n{_metric_table(NETWORK)}"
 
 
 def _metric_table(metrics: Mapping[str, Metric]) -> str:

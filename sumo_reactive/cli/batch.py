@@ -89,8 +89,8 @@ class BatchProgress:
         """Count a trial."""
         outcome = report.outcome
         self._ended += 1
-        became = outcome.result.verdict if outcome.result else f"{outcome.ending.value}: {outcome.reason}"
-        if outcome.result is None:
+        became = outcome.judged.verdict if outcome.judged else f"{outcome.ending.value}: {outcome.reason}"
+        if outcome.judged is None:
             self._failed += 1
             self._failures.append((str(trial), became))
         if self._speaks:

@@ -118,6 +118,33 @@ OTHERS: Mapping[str, Metric] = _by_key(
 )
 """What a comparison says of everybody but the ego, from its departure to the end of the window."""
 
+NETWORK: Mapping[str, Metric] = _by_key(
+    Metric("egos", "egos", "", "vehicles driven by this project's driver", None),
+    Metric("egos_arrived", "egos arrived", "", "by the end of the run", None),
+    Metric("egos_mean_duration_s", "egos' mean duration", "s", "mean of those who arrived", 1),
+    Metric("egos_mean_time_loss_s", "egos' mean time loss", "s", "mean of those who arrived", 1),
+    Metric("egos_collisions", "egos' collisions", "", "contacts of an ego's box with another", None, "ego's collision"),
+    Metric("egos_violations", "egos' violations", "", "red lights run and rights of way taken", None, "ego's violation"),
+    Metric("egos_hard_braking_caused", "egos' hard brakings caused", "", "by all egos, of vehicles behind them", None),
+    Metric("network_vehicles", "vehicles", "", "that have departed by the end of the run, egos included", None),
+    Metric("network_arrived", "vehicles arrived", "", "by the end of the run", None),
+    Metric("network_arrivals_per_h", "arrivals", "1/h", "throughput of the network, over the whole run", 1),
+    Metric("network_mean_duration_s", "mean duration", "s", "mean of the vehicles that arrived", 1),
+    Metric("network_mean_speed_m_s", "mean speed", "m/s", "way by time, summed over all that have departed"),
+    Metric("network_mean_time_loss_s", "mean time loss", "s", "mean of all that have departed", 1),
+    Metric("network_mean_waiting_s", "mean standstill", "s", "mean of all that have departed", 1),
+    Metric("network_mean_insertion_delay_s", "mean waiting to depart", "s", "mean of all that were due", 1),
+    Metric("network_stops_per_vehicle", "stops a vehicle", "", "times that it came to a stand"),
+    Metric("network_co2_g_per_km", "CO₂ per km", "g/km", "sum over sum, by SUMO's own models", 1),
+    Metric("network_fuel_g_per_km", "fuel per km", "g/km", "sum over sum, by SUMO's own models", 1),
+    Metric("network_collisions", "collisions in the network", "", "as SUMO counts them", None),
+    Metric("network_teleports", "teleports", "", "as SUMO counts them", None),
+)
+"""What a run with a share of egos says of them all, and of all vehicles together."""
+
+IN_BATCHES: Mapping[str, Metric] = {**METRICS, **NETWORK}
+"""What a trial of a batch may have."""
+
 TIMINGS: Mapping[str, Metric] = _by_key(
     Metric("control_step_mean_us", "control step, mean", "µs", "wall-clock time", 0),
     Metric("control_step_p99_us", "control step, 99th percentile", "µs", "wall-clock time", 0),
@@ -126,5 +153,5 @@ TIMINGS: Mapping[str, Metric] = _by_key(
 )
 """Wall-clock figures, which differ from run to run."""
 
-EVERY: Mapping[str, Metric] = {**METRICS, **BASELINE, **OTHERS, **TIMINGS}
+EVERY: Mapping[str, Metric] = {**METRICS, **BASELINE, **OTHERS, **NETWORK, **TIMINGS}
 """All of them by key."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
-from sumo_reactive.lab.metric_names import METRICS, TIMINGS, event_key
+from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, event_key
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.launch import OptionOverride
@@ -128,6 +128,25 @@ class FleetResult:
     def exit_code(self) -> int:
         """0: no ego has a fault; else 1."""
         return int(bool(self.faulty))
+
+
+@dataclass(frozen=True)
+class NetworkResult:
+    """What a run with a `share` of egos came to: `metrics` of the egos and of the whole network, what became of each ego
+    that had a fault; simulation time at the begin (s)."""
+
+    share: float
+    metrics: Mapping[str, float | None]
+    faults: tuple[Fault, ...]
+    departure_s: float
+    ego: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """What the run came to, in a line."""
+        egos, of_all = self.metrics["egos"], self.metrics["network_vehicles"]
+        faults = [f"{EVERY[name].counted(int(self.metrics[name] or 0))}" for name in ("egos_collisions", "egos_violations")]
+        return f"{egos:.0f} egos among {of_all:.0f} vehicles: {', '.join(faults)}"
 
 
 Row = tuple[str, str]

@@ -38,6 +38,7 @@ Answer = tuple[Ending, Any, float]
 """How a call ended; its value, or in one line why there is none; wall-clock time, s."""
 
 _RUN = "sumo_reactive.lab.simulation:run_observed"
+_RUN_SHARE = "sumo_reactive.lab.penetration:run_share"
 _LOOK_S = 0.5
 _FAREWELL_S = 1.0
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -65,7 +66,7 @@ class Runner:
 
     def run(self, task: Task, wall_limit_s: float) -> Outcome:
         """Run a task; whatever happens to it is told by the outcome. The limit (s) begins when the process is ready."""
-        ending, value, wall_s = self.call(_RUN, task, wall_limit_s)
+        ending, value, wall_s = self.call(_RUN if task.share is None else _RUN_SHARE, task, wall_limit_s)
         if ending is not Ending.DONE:
             return Outcome(task, ending, reason=value, wall_s=wall_s)
         return Outcome(task, ending, **value, wall_s=wall_s)

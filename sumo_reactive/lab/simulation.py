@@ -253,12 +253,14 @@ def run_sumo_driver(
 
 
 def run_fleet(
-    scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None
-) -> FleetResult:
+    scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None,
+    may_be_nobody: bool = False,
+) -> FleetResult:  # fmt: skip
     """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
 
     Nobody is taken over after the scenario's end; who is under way then drives on, to `until_s` at the latest. Raises what
-    `run_trial` raises; a vehicle that is not named and cannot be taken over is no error.
+    `run_trial` raises; a vehicle that is not named and cannot be taken over is no error, nobody at all is one unless there
+    `may_be_nobody`.
     """
     began = clock.perf_counter()
     with started(scenario) as start:
@@ -269,7 +271,8 @@ def run_fleet(
         )  # fmt: skip
         simulation.run()
         files = trip_files()
-        _require_egos(simulation, rule, scenario)
+        if not may_be_nobody:
+            _require_egos(simulation, rule, scenario)
     ordered = _recounted(files, sorted(simulation.results, key=lambda one: one.departure_s))
     return FleetResult(
         results=tuple(ordered),

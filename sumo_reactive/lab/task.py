@@ -6,7 +6,7 @@ import shlex
 from dataclasses import dataclass
 from enum import Enum
 
-from sumo_reactive.lab.result import TrialResult
+from sumo_reactive.lab.result import NetworkResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.trace import Entry
 
@@ -18,12 +18,17 @@ class Driver(Enum):
     SUMO = "sumo"
 
 
+SHARE = "share"
+"""What a share of egos is called among the values that vary from trial to trial."""
+
+
 @dataclass(frozen=True)
 class Task:
-    """One trial: a scenario, and who drives."""
+    """One trial: a scenario, and who drives: one ego, or a `share` of all road cars, drawn by id and seed."""
 
     scenario: Scenario
     driver: Driver = Driver.REACTIVE
+    share: float | None = None
 
 
 class Ending(Enum):
@@ -40,7 +45,7 @@ class Outcome:
     """What became of a task. `reason` is empty when it is done; `entries` are the decisions of the reactive driver.
 
     `trajectory` is a digest of every step but for its wall-clock time: equal trajectories, equal digests. `wall_s` counts
-    the trial alone.
+    the trial alone. Where a share of all cars were egos, `network` stands in place of a `result`.
     """
 
     task: Task
@@ -50,13 +55,20 @@ class Outcome:
     entries: tuple[Entry, ...] = ()
     trajectory: str = ""
     wall_s: float = 0.0
+    network: NetworkResult | None = None
+
+    @property
+    def judged(self) -> TrialResult | NetworkResult | None:
+        """What the trial came to, of whichever kind; None: to nothing."""
+        return self.result or self.network
 
 
 def replay_command(task: Task) -> str:
     """Return the command line that repeats a task; for SUMO's own driver, the comparison that contains it."""
     scenario = task.scenario
     command = "run" if task.driver is Driver.REACTIVE else "compare"
-    words = ["sumo-reactive", command, str(scenario.source), *_options(scenario, command == "run")]
+    share = [] if task.share is None else ["--ego-probability", f"{task.share:g}"]
+    words = ["sumo-reactive", command, str(scenario.source), *share, *_options(scenario, command == "run")]
     if scenario.sumo_options:
         words += ["--", *scenario.sumo_options]
     return shlex.join(words)

@@ -10,8 +10,8 @@ from sumo_reactive.lab.batch.store_file import DECISION_ROW, EMERGENCY_ROW
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
 from sumo_reactive.lab.fault import Fault
-from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.task import Driver, Ending
+from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS
+from sumo_reactive.lab.task import SHARE, Driver, Ending
 from sumo_reactive.lab.trace import Entry, entry_of
 
 _DONE, _BASELINE, _OURS = Ending.DONE.value, Driver.SUMO.value, Driver.REACTIVE.value
@@ -24,7 +24,8 @@ _SLOWER = 1.05
 
 
 class StoredTrial(NamedTuple):
-    """A finished trial; `varied` tells its parameters and options in words, `metrics` is without those it lacks."""
+    """A finished trial; `varied` tells its parameters and options in words, `metrics` is without those it lacks, `share`
+    which one of all road cars were egos (None: a trip of one)."""
 
     key: str
     scenario: str
@@ -38,6 +39,7 @@ class StoredTrial(NamedTuple):
     replay: str
     varied: str
     metrics: Mapping[str, float]
+    share: float | None = None
 
     @property
     def name(self) -> str:
@@ -74,9 +76,13 @@ def trials_in(results: Results) -> list[StoredTrial]:
 
 
 def _trial(results: Results, row: Mapping[str, Any]) -> StoredTrial:
-    metrics = {name: float(row[name]) for name in METRICS if row.get(name) is not None}
-    told: dict[str, Any] = {name: "" if row[name] is None else row[name] for name in StoredTrial._fields[:-2]}
-    return StoredTrial(**told, varied=results.varied(row["parameters"], row["options"]), metrics=metrics)
+    metrics = {name: float(row[name]) for name in IN_BATCHES if row.get(name) is not None}
+    told: dict[str, Any] = {name: "" if row[name] is None else row[name] for name in StoredTrial._fields[:-3]}
+    varied = results.varied(row["parameters"], row["options"])
+    share = json.loads(row["parameters"]).get(SHARE)
+    if share is not None and not (isinstance(share, float | int) and 0.0 <= share <= 1.0):
+        raise results.damaged("the share of egos of a trial is none")
+    return StoredTrial(**told, varied=varied, metrics=metrics, share=share)
 
 
 def pairs_of(trials: Sequence[StoredTrial]) -> list[TripPair]:

@@ -9,6 +9,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
 from sumo_reactive.lab.fault import COLLISION, Fault
+from sumo_reactive.lab.result import NetworkResult
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
 from sumo_reactive.lab.trace import Entry
@@ -53,4 +54,23 @@ def made_store(path):
         store.plan([one for one, _ in kept], list(METRICS))
         for one, ended in kept:
             store.put(one, ended, 1)
+    return path
+
+
+def made_share_store(path, seeds=4):
+    """Make a store of runs with shares of egos: the higher the share, the smaller the time loss."""
+    kept = []
+    for share in (0.0, 0.2, 0.6):
+        for seed in range(1, seeds + 1):
+            task = Task(replace(load_scenario(FOUR_WAY), seed=seed), Driver.REACTIVE, share)
+            one = Trial("town.toml", {"share": share}, {}, task)
+            metrics = {
+                "egos": 100.0 * share, "network_mean_time_loss_s": 20.0 - 5.0 * share + 0.1 * seed,
+                "network_vehicles": 100, "egos_collisions": 0, "egos_violations": 0,
+            }  # fmt: skip
+            kept.append((one, NetworkResult(share, metrics, (), 0.0)))
+    with Store(path) as store:
+        store.plan([one for one, _ in kept], ["egos", "network_mean_time_loss_s"])
+        for one, network in kept:
+            store.put(one, Outcome(one.task, Ending.DONE, network=network, trajectory="digest"), 1)
     return path

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.batch.experiment import load_experiment
+from sumo_reactive.lab.batch.experiment import SHARE_METRICS, load_experiment
+from sumo_reactive.lab.metric_names import NETWORK
 from sumo_reactive.lab.scenario import load_scenario_file
 from sumo_reactive.lab.task import Driver
 
@@ -35,14 +36,28 @@ def test_values_alone_are_grids_of_one(tmp_path):
     assert experiment.options == {"scale": [1.5]}
 
 
-def test_the_example_of_this_repository_is_read():
+def test_the_examples_of_this_repository_are_read():
     assert len(load_experiment(ROOT / "experiments" / "grid.toml").choices) == 2
+    assert load_experiment(ROOT / "experiments" / "shares.toml").egos.share
+
+
+def test_shares_have_metrics_of_their_own(tmp_path):
+    experiment = load_experiment(written(tmp_path, HEAD + "[egos]\nshare = [0, 0.5]\n"))
+    assert experiment.keys.metrics == list(SHARE_METRICS)
+    assert set(SHARE_METRICS) <= set(NETWORK)
 
 
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
         ("", 0, "missing key 'experiment'"),
+        (HEAD + "[egos]\nshare = [0.1, 1.5]\n", 4, "key 'egos.share.1'"),
+        (HEAD + "[egos]\nshare = []\n", 4, "key 'egos.share'"),
+        (HEAD + 'drivers = ["sumo"]\n[egos]\nshare = [0.1]\n', 3, "who is no ego has SUMO's own driver"),
+        (HEAD + "horizon_s = 9.0\n[egos]\nshare = [0.1]\n", 3, "all runs end at one time: 'until_s'"),
+        (HEAD + "[egos]\nshare = [0.1]\ndrawn = 3\n", 4, "there are 'drawn' already"),
+        (HEAD + 'metrics = ["duration_s"]\n[egos]\nshare = [0.1]\n', 3, "'duration_s' is a metric of a trip"),
+        (HEAD + 'metrics = ["network_arrived"]\n', 3, "'network_arrived' is a metric of a network"),
         ("[experiment]\nscenarios = []\n", 2, "key 'experiment.scenarios'"),
         (HEAD + "seedz = [1]\n", 3, "unknown key 'experiment.seedz'; near it: seeds"),
         (HEAD + "seeds = [1, 2, 1]\n", 3, "named twice"),

@@ -85,3 +85,14 @@ def test_whatever_is_asked_for_is_part_of_the_key():
         Task(replace(scenario, until_s=1.0)), Task(replace(scenario, sumo_options=("--scale", "2"))),
     ]  # fmt: skip
     assert len({key_of(task) for task in asked}) == len(asked)
+
+
+def test_shares_of_egos_are_trials_of_their_own_and_told_among_what_varies(tmp_path):
+    found = trials(tmp_path, "seeds = [1, 2]\n[egos]\nshare = [0.0, 0.3]\n[parameters]\nstuck_s = [5.0, 9.0]\n")
+    assert len(found) == len({trial.key for trial in found}) == 8
+    assert {trial.task.share for trial in found} == {0.0, 0.3}
+    assert {trial.task.driver for trial in found} == {Driver.REACTIVE}
+    one = next(trial for trial in found if trial.task.share == 0.3 and trial.task.scenario.seed == 2)
+    assert one.parameters == {"share": 0.3, "stuck_s": 5.0}
+    assert "--ego-probability 0.3 --seed 2" in one.replay
+    assert "share=0.3" in str(one)

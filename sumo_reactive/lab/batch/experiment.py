@@ -13,7 +13,7 @@ from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.files import text_of
-from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS, NETWORK
 from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, named_once, parameter
 from sumo_reactive.lab.schema import TomlTable, line_number_of, nearest, problem_at, read_toml
 from sumo_reactive.lab.task import Driver
@@ -46,8 +46,8 @@ class ExperimentKeys(TomlTable):
     @classmethod
     def _known(cls, metrics: list[str]) -> list[str]:
         for k, name in enumerate(metrics):
-            if name not in METRICS:
-                raise problem_at(k, f"unknown metric '{name}'{nearest(name, METRICS)}")
+            if name not in IN_BATCHES:
+                raise problem_at(k, f"unknown metric '{name}'{nearest(name, IN_BATCHES)}")
         return metrics
 
     @field_validator("scenarios", "seeds", "drivers", "metrics")
@@ -59,11 +59,22 @@ class ExperimentKeys(TomlTable):
         return values
 
 
+_Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+SHARE_METRICS = (
+    "egos", "network_arrived", "network_mean_time_loss_s", "network_mean_speed_m_s", "network_co2_g_per_km",
+    "egos_collisions", "egos_violations",
+)  # fmt: skip
+"""What is shown of an experiment with shares of egos that names no metrics."""
+
+
 class EgoKeys(TomlTable):
-    """The table `[egos]`: ids, for every scenario or by scenario, or how many trips to draw."""
+    """The table `[egos]`: ids, for every scenario or by scenario, or how many trips to draw, or which share of all road cars
+    are egos at once."""
 
     names: list[str] | dict[str, list[str]] | None = Field(default=None)
     drawn: int | None = Field(default=None, ge=1)
+    share: list[_Share] | None = Field(default=None, min_length=1)
     seed: Seed = 0
     min_length_m: float = Field(default=0.0, ge=0.0)
     warm_up_s: float = Field(default=0.0, ge=0.0)
@@ -159,6 +170,8 @@ def load_experiment(path: Path) -> Experiment:
     file = read_toml(path, ExperimentFile)
     keys = file.experiment
     _check_egos(path, file)
+    if file.egos.share is not None and "metrics" not in keys.model_fields_set:
+        keys = keys.model_copy(update={"metrics": list(SHARE_METRICS)})
     choices = tuple(_choice(path, file, k, name) for k, name in enumerate(keys.scenarios))
     store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(STORE_SUFFIX)
     grid = {name: value if isinstance(value, list) else [value] for name, value in file.parameters.items()}
@@ -178,9 +191,28 @@ def _check_egos(path: Path, file: ExperimentFile) -> None:
             raise _problem(path, ("egos", "names", name), f"no scenario of this experiment{near}")
         if not ids:
             raise _problem(path, ("egos", "names", name), "names nobody: no trial is left")
+    _check_share(path, file)
     both = set(file.parameters) & set(file.samples.parameters if file.samples else ())
     for name in both:
         raise _problem(path, ("samples", "parameters", name), "there is a grid of it already")
+
+
+def _check_share(path: Path, file: ExperimentFile) -> None:
+    egos, keys = file.egos, file.experiment
+    known = METRICS if egos.share is None else NETWORK
+    for k, name in enumerate(keys.metrics if "metrics" in keys.model_fields_set else ()):
+        if name not in known:
+            what = "a trip, and there is none with a 'share'" if egos.share else "a network, which takes [egos] share = […]"
+            raise _problem(path, ("experiment", "metrics", k), f"'{name}' is a metric of {what}")
+    if egos.share is None:
+        return
+    for name in ("names", "drawn"):
+        if getattr(egos, name) is not None:
+            raise _problem(path, ("egos", "share"), f"there are '{name}' already")
+    if "drivers" in keys.model_fields_set:
+        raise _problem(path, ("experiment", "drivers"), "with a 'share', who is no ego has SUMO's own driver")
+    if keys.horizon_s is not None:
+        raise _problem(path, ("experiment", "horizon_s"), "with a 'share', all runs end at one time: 'until_s'")
 
 
 def _choice(path: Path, file: ExperimentFile, k: int, name: str) -> Choice:

@@ -45,7 +45,7 @@ class Store(StoreFile):
             row = _row(trial, outcome, attempts)
             marks = ", ".join("?" for _ in row)
             database.execute(f"INSERT INTO trials VALUES ({marks}, now()::TIMESTAMP)", row)
-            metrics = outcome.result.metrics if outcome.result else {}
+            metrics = outcome.judged.metrics if outcome.judged else {}
             names, values = list(metrics), [None if value is None else float(value) for value in metrics.values()]
             database.execute("INSERT INTO metrics SELECT ?, unnest(?), unnest(?::DOUBLE[])", [trial.key, names, values])
             columns = [list(column) for column in zip(*events_of(outcome), strict=True)]
@@ -84,7 +84,7 @@ class Store(StoreFile):
 
 
 def _row(trial: Trial, outcome: Outcome, attempts: int) -> Iterable[Any]:
-    scenario, result = trial.task.scenario, outcome.result
+    scenario, result = trial.task.scenario, outcome.judged
     return [
         trial.key, trial.scenario, result.ego if result else scenario.ego, scenario.seed, trial.task.driver.value,
         json.dumps(dict(trial.parameters), sort_keys=True), json.dumps(dict(trial.options), sort_keys=True),

@@ -13,7 +13,7 @@ from typing import Any, Self
 import duckdb
 
 from sumo_reactive.errors import InputError, StoreError
-from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.metric_names import IN_BATCHES
 from sumo_reactive.lab.tables import opened, require_regular
 from sumo_reactive.lab.task import Driver, Ending, Outcome
 from sumo_reactive.lab.trace import line_of
@@ -56,7 +56,7 @@ def _words(values: Iterable[str]) -> str:
 _TEXTS = ("key", "scenario", "driver", "parameters", "options", "ending", "reason", "replay")
 _WRONG = {
     "plan": "number IS NULL",
-    "shown": f"number IS NULL OR name IS NULL OR name NOT IN ({_words(METRICS)})",
+    "shown": f"number IS NULL OR name IS NULL OR name NOT IN ({_words(IN_BATCHES)})",
     "trials": " OR ".join(
         [
             *(f"{name} IS NULL OR length({name}) > {MAX_LETTERS}" for name in _TEXTS),
@@ -190,7 +190,7 @@ EventRow = tuple[float, str, str, str, str | None]
 
 def events_of(outcome: Outcome) -> list[EventRow]:
     """Return the events of a trial in order of time."""
-    faults = outcome.result.faults if outcome.result else ()
+    faults = outcome.judged.faults if outcome.judged else ()
     return sorted((*((*fault, None) for fault in faults), *_decisions(outcome)), key=lambda row: row[0])
 
 

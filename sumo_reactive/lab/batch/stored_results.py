@@ -12,7 +12,7 @@ import duckdb
 from sumo_reactive.errors import StoreError
 from sumo_reactive.lab.batch.store_file import StoreFile, told
 from sumo_reactive.lab.comparison.statistics import ConfidenceInterval, interval_of
-from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.metric_names import IN_BATCHES
 from sumo_reactive.lab.schema import nearest
 from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.writing import whole_file
@@ -67,8 +67,8 @@ class Results(StoreFile):
     def metrics(self, asked: Sequence[str]) -> list[str]:
         """Return the metrics to show: those asked for, else those that the experiment names."""
         for name in asked:
-            if name not in METRICS:
-                raise StoreError(f"unknown metric '{name}'{nearest(name, METRICS)}")
+            if name not in IN_BATCHES:
+                raise StoreError(f"unknown metric '{name}'{nearest(name, IN_BATCHES)}")
         return list(asked) or [name for (name,) in self.rows("SELECT name FROM shown ORDER BY number")]
 
     @property
@@ -120,7 +120,8 @@ class Results(StoreFile):
 
     def _wide(self) -> str:
         found = [name for (name,) in self.rows("SELECT DISTINCT name FROM metrics")]
-        names = sorted(found, key=lambda name: (list(METRICS).index(name) if name in METRICS else len(METRICS), name))
+        places = {name: k for k, name in enumerate(IN_BATCHES)}
+        names = sorted(found, key=lambda name: (places.get(name, len(places)), name))
         return _WIDE.format(names=", ".join("'{}'".format(name.replace("'", "''")) for name in names) or "''")
 
     def varied(self, *parts: str) -> str:

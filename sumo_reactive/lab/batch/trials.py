@@ -19,7 +19,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.simulation import started, versions
-from sumo_reactive.lab.task import Driver, Task, replay_command
+from sumo_reactive.lab.task import SHARE, Driver, Task, replay_command
 from sumo_reactive.sumo.config import INPUT_FILES, OUTPUT_FILES, option_words, read_config
 from sumo_reactive.sumo.input_files import inputs_of, words_of
 from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
@@ -86,6 +86,7 @@ def key_of(task: Task) -> str:
         "obstacle_polygons": scenario.obstacle_polygons,
         "sumo_options": scenario.sumo_options,
         "driver": task.driver.value,
+        SHARE: task.share,
         "parameters": scenario.parameters.varied,
         "versions": release(),
     }
@@ -164,7 +165,8 @@ class Trial:
         varied = {**self.parameters, **self.options}
         said = "".join(f" {name}={value}" for name, value in varied.items())
         scenario = self.task.scenario
-        return f"{self.scenario} {scenario.ego or '(own ego)'} seed {scenario.seed} {self.task.driver.value}{said}"
+        who = f"{scenario.ego or '(own ego)'} " if self.task.share is None else ""
+        return f"{self.scenario} {who}seed {scenario.seed} {self.task.driver.value}{said}"
 
 
 def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
@@ -172,6 +174,8 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
 
     Raises ScenarioError if nothing is left of a selection.
     """
+    if experiment.egos.share is not None:
+        return list({trial.key: trial for trial in _shares(experiment, experiment.egos.share)}.values())
     egos = {choice.name: _egos(experiment, choice, scout) for choice in experiment.choices}
     found: dict[str, Trial] = {}
     for point, choice, options in itertools.product(
@@ -181,6 +185,17 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
             trial = _trial(experiment, choice, case, point, options)
             found.setdefault(trial.key, trial)
     return list(found.values())
+
+
+def _shares(experiment: Experiment, shares: Sequence[float]) -> Iterator[Trial]:
+    """Yield a trial for each share, seed and point; the share is told among what varies."""
+    for point, choice, options in itertools.product(
+        list(_points(experiment)), experiment.choices, list(_product(experiment.options))
+    ):
+        for share, seed in itertools.product(shares, choice.seeds):
+            one = _trial(experiment, choice, (seed, None, Driver.REACTIVE), point, options)
+            scenario = replace(one.task.scenario, sumo_options=_words(options))  # outputs are dealt with where it is run
+            yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, Driver.REACTIVE, share))
 
 
 def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | None]:

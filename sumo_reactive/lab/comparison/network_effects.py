@@ -18,6 +18,7 @@ from sumo_reactive.sumo.outputs import AS_READ, TripInfo, read_contacts, read_te
 from sumo_reactive.sumo.stand_ins import is_stand_in
 
 MG_PER_KG, MG_PER_G, M_PER_KM = 1e6, 1e3, 1e3
+SECONDS_PER_H = 3600.0
 _UNFINISHED, _UNDEPARTED = "tripinfo-output.write-unfinished", "tripinfo-output.write-undeparted"
 
 
@@ -118,6 +119,33 @@ def _sums(trips: Sequence[TripInfo]) -> dict[str, float]:
         "others_nox_g": round(sum(trip.nitrogen_oxides_mg for trip in driven) / MG_PER_G, 4),
     }
     return figures | ({"others_co2_g_per_km": round(carbon_dioxide_mg / MG_PER_G / way_km, 3)} if way_km > 0.0 else {})
+
+
+def network_figures(outputs: Outputs, duration: float) -> dict[str, float | None]:
+    """Return what SUMO has written about all vehicles of a run of `duration` s, by name; None: there is no such figure."""
+    trips = [trip for trip in read_trips(outputs.trips) if not is_stand_in(trip.vehicle_id)]
+    driven = [trip for trip in trips if trip.departure is not None]
+    arrived = [trip for trip in driven if trip.arrival is not None and not trip.vaporized]
+    way, time = sum(trip.length_m for trip in driven), sum(trip.duration for trip in driven)
+
+    def per(total: float, count: float) -> float | None:
+        return round(total / count, 4) if count > 0.0 else None
+
+    return {
+        "network_vehicles": len(driven),
+        "network_arrived": len(arrived),
+        "network_arrivals_per_h": per(SECONDS_PER_H * len(arrived), duration),
+        "network_mean_duration_s": per(sum(trip.duration for trip in arrived), len(arrived)),
+        "network_mean_speed_m_s": per(way, time),
+        "network_mean_time_loss_s": per(sum(trip.time_loss for trip in driven), len(driven)),
+        "network_mean_waiting_s": per(sum(trip.waiting for trip in driven), len(driven)),
+        "network_mean_insertion_delay_s": per(sum(trip.departure_delay for trip in trips), len(trips)),
+        "network_stops_per_vehicle": per(sum(trip.stops for trip in driven), len(driven)),
+        "network_co2_g_per_km": per(sum(trip.carbon_dioxide_mg for trip in driven), way),
+        "network_fuel_g_per_km": per(sum(trip.fuel_mg for trip in driven), way),
+        "network_collisions": sum(1 for _ in read_contacts(outputs.contacts)),
+        "network_teleports": read_teleports(outputs.totals),
+    }  # mg a metre are g a kilometre
 
 
 def means_over_both(one: NetworkEffects, other: NetworkEffects) -> tuple[dict[str, float], dict[str, float]]:

@@ -1,0 +1,69 @@
+"""A share of all road cars as egos: one run, and what became of them and of everybody in the network."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from struct import Struct
+from typing import Any
+
+from sumo_reactive.driver.nouns.record import Scene
+from sumo_reactive.lab.comparison.network_effects import Outputs, network_figures
+from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.fault import Fault
+from sumo_reactive.lab.result import FleetResult, NetworkResult, TrialResult
+from sumo_reactive.lab.simulation import run_fleet
+from sumo_reactive.lab.task import Task
+from sumo_reactive.sumo.config import option_words, read_config
+
+_PLACE = Struct("5d")
+
+
+def run_share(task: Task) -> dict[str, Any]:
+    """Run a task with a share of egos in this process; return the fields that its `Outcome` takes from the trial.
+
+    The run ends where the scenario ends, or at its `until_s`: at the same simulation time whatever the share.
+    """
+    scenario, share, config = task.scenario, task.share or 0.0, read_config(task.scenario.config)
+    digest = hashlib.sha256()
+
+    def see(scene: Scene) -> None:
+        step = scene.step
+        digest.update(scene.ego.encode() + _PLACE.pack(step.time, step.x, step.y, step.heading, step.speed))
+
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        outputs = Outputs(Path(folder))
+        ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
+        asked = replace(
+            scenario, ego=None, until_s=min(ends, default=None), until_end=True,
+            sumo_options=(*scenario.sumo_options, *option_words(outputs.options(config))),
+        )  # fmt: skip
+        fleet = run_fleet(asked, EgoRule(probability=share), observer=see, may_be_nobody=True)
+        figures = _of_egos(fleet) | network_figures(outputs, fleet.until - config.begin_s)
+    network = NetworkResult(share, figures, _faults(fleet.results), config.begin_s)
+    return {"network": network, "trajectory": digest.hexdigest()}
+
+
+def _of_egos(fleet: FleetResult) -> dict[str, float | None]:
+    """Return the figures of all egos together by name."""
+    arrived = [one for one in fleet.results if one.arrived]
+
+    def mean(values: Sequence[float]) -> float | None:
+        return round(sum(values) / len(values), 4) if values else None
+
+    return {
+        "egos": len(fleet.results),
+        "egos_arrived": len(arrived),
+        "egos_mean_duration_s": mean([one.duration_s for one in arrived]),
+        "egos_mean_time_loss_s": mean([one.time_loss_s for one in arrived]),
+        "egos_collisions": sum(len(one.collisions) for one in fleet.results),
+        "egos_violations": sum(len(one.violations) for one in fleet.results),
+        "egos_hard_braking_caused": sum(len(one.hard_brakes) for one in fleet.results),
+    }
+
+
+def _faults(results: Sequence[TrialResult]) -> tuple[Fault, ...]:
+    return tuple(sorted((fault for one in results for fault in one.faults), key=lambda fault: fault.time))

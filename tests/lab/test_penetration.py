@@ -1,0 +1,57 @@
+"""A share of all cars as egos: who is one, what is counted, and that a run gives the same again."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sumo_reactive.lab.metric_names import NETWORK
+from sumo_reactive.lab.penetration import run_share
+from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.task import Driver, Task
+
+SCENARIO = Path(__file__).parents[2] / "scenarios" / "right_before_left.toml"
+UNTIL_S = 40.0
+
+
+def shared(share, seed=3, **others):
+    """What a run with a share of egos comes to."""
+    scenario = replace(load_scenario(SCENARIO), seed=seed, until_s=UNTIL_S, **others)
+    return run_share(Task(scenario, Driver.REACTIVE, share))
+
+
+@pytest.fixture(scope="module")
+def runs():
+    """Runs by their share."""
+    return {share: shared(share) for share in (0.0, 0.3, 1.0)}
+
+
+def test_every_figure_of_a_network_is_told(runs):
+    for run in runs.values():
+        assert list(run["network"].metrics) == list(NETWORK)
+
+
+def test_a_higher_share_adds_egos_to_the_same_traffic(runs):
+    egos = [run["network"].metrics["egos"] for run in runs.values()]
+    assert egos[0] == 0 < egos[1] < egos[2]
+    assert len({run["network"].metrics["network_vehicles"] for run in runs.values()}) == 1
+    assert egos[2] == runs[1.0]["network"].metrics["network_vehicles"]
+
+
+def test_what_nobody_has_is_none_and_what_all_have_is_not(runs):
+    assert runs[0.0]["network"].metrics["egos_mean_duration_s"] is None
+    assert runs[1.0]["network"].metrics["egos_mean_duration_s"] > 5.0
+    assert runs[0.0]["network"].metrics["network_mean_speed_m_s"] > 1.0
+
+
+def test_the_same_share_gives_the_same_run_and_another_share_another(runs):
+    again = shared(0.3)
+    assert (again["network"], again["trajectory"]) == (runs[0.3]["network"], runs[0.3]["trajectory"])
+    assert len({run["trajectory"] for run in runs.values()}) == 3
+
+
+def test_arrivals_are_those_of_sumo_and_of_the_egos(runs):
+    metrics = runs[1.0]["network"].metrics
+    assert metrics["egos_arrived"] == metrics["network_arrived"] > 0
+    assert metrics["network_arrivals_per_h"] == pytest.approx(3600.0 * metrics["network_arrived"] / UNTIL_S, rel=1e-3)
+    assert "egos among" in runs[1.0]["network"].verdict
