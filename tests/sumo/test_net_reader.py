@@ -40,6 +40,7 @@ def test_a_lane_without_permissions_is_for_all_and_others_for_those_that_they_na
     assert net.lane("n_0").allows("ship")
     assert net.lane("w_0").allows("passenger")
     assert not net.lane("w_0").allows("tram")
+    assert net.lane("w_0").allows("ignoring")  # SUMO's class for who heeds no permission
     assert net.lane("e_0").allowed == {"passenger", "bus"}
     assert net.lane("e_0").change_left == {"bus"}
     assert net.lane("e_0").allows_change_right("passenger")

@@ -22,6 +22,9 @@ VEHICLE_CLASSES = frozenset(
 )  # fmt: skip
 """Every class that a lane can allow or forbid (SUMO 1.28)."""
 
+HEEDS_NOTHING = "ignoring"
+"""SUMO's class for vehicles that heed no permission."""
+
 FARTHEST_M = 1e6
 """No lane, and no network, reaches this far: a coordinate beyond is a slip, and points are laid along lanes."""
 
@@ -66,16 +69,16 @@ class Lane:
         return abs(self.spine.project(x, y)[1]) < 0.5 * (self.width + width)
 
     def allows(self, vehicle_class: str) -> bool:
-        """Whether vehicles of the class may drive here."""
-        return vehicle_class in self.allowed
+        """Whether vehicles of the class may drive here; SUMO's class for those who heed no permission may everywhere."""
+        return vehicle_class in self.allowed or vehicle_class == HEEDS_NOTHING
 
     def allows_change_left(self, vehicle_class: str) -> bool:
         """Whether vehicles of the class may leave this lane to the left."""
-        return vehicle_class in self.change_left
+        return vehicle_class in self.change_left or vehicle_class == HEEDS_NOTHING
 
     def allows_change_right(self, vehicle_class: str) -> bool:
         """Whether vehicles of the class may leave this lane to the right."""
-        return vehicle_class in self.change_right
+        return vehicle_class in self.change_right or vehicle_class == HEEDS_NOTHING
 
 
 def road_of(lane_id: str) -> str:
