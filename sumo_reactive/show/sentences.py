@@ -105,6 +105,10 @@ REASONS: dict[Reason, Wording] = {
         "stops before {place}, since {cause} should yield but can no longer stop",
         "goes {order} {cause}, which should yield but can no longer stop, through {place}",
     ),
+    Reason.NO_RULE: Wording(
+        "stops before {place}, since no rule makes {cause} wait",
+        "goes {order} {cause}, which no rule makes wait, through {place}",
+    ),
     Reason.PEDESTRIAN: Wording(
         "stops before {place}, since {cause} is on or near the crossing",
         "goes {order} {cause}, who is on or near the crossing, through {place}",

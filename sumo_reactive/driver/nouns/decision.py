@@ -52,6 +52,7 @@ class Reason(Enum):
     YIELD_TO = "traffic with priority would meet the ego in the region"
     REGION_OCCUPIED = "the region is occupied"
     FOE_CANNOT_STOP = "traffic that should yield can no longer stop"
+    NO_RULE = "no rule makes the others wait, and they do not look"
     PEDESTRIAN = "a pedestrian is on or near the crossing"
     EXIT_BLOCKED = "there is no room behind the region"
     SCHEDULED_STOP = "the route has a stop here"

@@ -136,7 +136,7 @@ def test_who_brakes_to_wait_in_the_ego_s_way_will_not_have_gone_first(in_the_way
         ((True, False), Reason.YIELD_TO),
         ((True, True), Reason.WAIT_FOR_TURN),
         ((False, True), None),
-        ((False, False), Reason.FOE_CANNOT_STOP),  # nobody has to wait, so nobody does
+        ((False, False), Reason.NO_RULE),  # nobody has to wait, so nobody does
     ],
 )
 def test_the_rights_at_a_region_make_the_reason(rights, expected):

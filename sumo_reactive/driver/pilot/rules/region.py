@@ -286,7 +286,9 @@ def _reason(foe: Foe) -> Reason:
         return Reason.REGION_OCCUPIED
     if foe.conflict.must_yield and foe.conflict.is_yielded_to:
         return Reason.WAIT_FOR_TURN
-    return Reason.YIELD_TO if foe.conflict.must_yield else Reason.FOE_CANNOT_STOP
+    if foe.conflict.must_yield:
+        return Reason.YIELD_TO
+    return Reason.FOE_CANNOT_STOP if foe.conflict.is_yielded_to else Reason.NO_RULE
 
 
 def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Crossing) -> bool:
