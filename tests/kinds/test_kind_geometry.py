@@ -39,6 +39,15 @@ def test_a_car_waits_for_those_into_whose_lane_it_must_swing_behind_a_turn_drawn
     assert run.complaints(slower=2.5) == []  # nobody else looks where it swings: it waits for the last of them
 
 
+def test_a_motorway_whose_lanes_move_aside_by_half_a_lane_is_driven_on_at_speed(tmp_path):
+    nodes = "".join(node(name, x, 0) for name, x in (("a", 0), ("b", 500), ("c", 1000)))
+    ways = "".join(edge(ends, speed=27.8, numLanes=lanes, spreadType="center") for ends, lanes in (("ab", 3), ("bc", 2)))
+    net = Net(nodes, ways, link("ab bc", "10") + link("ab bc", "21"))
+    run = driven(tmp_path, net, car("ego", "ab bc", 2, departLane=1), until=80)
+    assert run.complaints(slower=1.1) == []
+    assert min(moment.speed for moment in run.ego.moments) > 20.0
+
+
 @pytest.mark.parametrize(("lanes", "step"), [(1, 0.1), (2, 0.1), (1, 0.25), (1, 0.5), (1, 1.0)])
 def test_the_ego_turns_round_at_a_dead_end(tmp_path, lanes, step):
     net = Net(node("a", 0, 0) + node("b", 80, 0), edge("ab", numLanes=lanes) + edge("ba", numLanes=lanes), options=())

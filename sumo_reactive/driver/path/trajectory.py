@@ -46,7 +46,13 @@ SMOOTHING_REACH_M = 5.0
 """A place that is too tight loosens C this far on both sides: half of a car's turn."""
 
 SMOOTHING_PASSES = 9
-"""Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that COMFORT_DEVIATION_M holds C."""
+"""Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that the greatest deviation holds C."""
+
+FAST_SPEED = 16.0
+"""m/s; on a faster road, where the map moves lanes aside by half a lane within a few metres,…"""
+
+FAST_DEVIATION_SHARE = 0.65
+"""…C may use this share of the room beside the car in its lane: else it would brake there from 25 to 12 m/s."""
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
@@ -111,7 +117,7 @@ def trajectory(
     line, blend = _met_from(line, start, width, limits)
     pace = np.minimum(pace * start.speed_factor, limits.max_speed)
     comfort = limits.comfort_lateral_acceleration / np.maximum(pace, 1.0) ** 2
-    fitted = smoothed(line, CURVE_STEP_M, comfort)
+    fitted = smoothed(line, CURVE_STEP_M, comfort, _deviation(half_widths, pace, limits))
     kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
     fitted, index = turnable(fitted, lanes, limits, start.steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
@@ -210,11 +216,17 @@ def _even(points: Points) -> tuple[Curve, Floats]:
     return Curve(np.ascontiguousarray(x), np.ascontiguousarray(y), heading, curvature, CURVE_STEP_M), arc
 
 
-def smoothed(line: Points, step: float, comfort_curvature: Floats) -> Points:
+def _deviation(half_widths: Floats, pace: Floats, limits: VehicleLimits) -> Floats:
+    """Return how far C may leave the centre line to be driven at the road's speed (n,), m."""
+    free = FAST_DEVIATION_SHARE * (half_widths - 0.5 * limits.width)
+    return np.where(pace > FAST_SPEED, np.maximum(free, COMFORT_DEVIATION_M), COMFORT_DEVIATION_M)
+
+
+def smoothed(line: Points, step: float, comfort_curvature: Floats, deviation: Floats) -> Points:
     """Return `line` (n, 2), sampled every `step` m, made smooth; its first two samples stay.
 
     Where |curvature| exceeds `comfort_curvature` (n,), 1/m, the line is loosened step by step, until it does not or
-    leaves the centre line by COMFORT_DEVIATION_M.
+    leaves the centre line by `deviation` (n,), m.
     """
     lengths = np.full(len(line), SMOOTHING_LENGTH_M)
     stiffness = _third_difference_bands(len(line), step)
@@ -222,7 +234,7 @@ def smoothed(line: Points, step: float, comfort_curvature: Floats) -> Points:
     result = _fitted(line, stiffness, lengths)
     for _ in range(SMOOTHING_PASSES):
         away = maximum_filter1d(np.hypot(*(result - line).T), reach)
-        tight = (np.abs(curvature_of(result)) > comfort_curvature) & (away < COMFORT_DEVIATION_M / SMOOTHING_GROWTH)
+        tight = (np.abs(curvature_of(result)) > comfort_curvature) & (away < deviation / SMOOTHING_GROWTH)
         if not tight.any():
             break
         lengths = np.where(maximum_filter1d(tight, reach), lengths * SMOOTHING_GROWTH, lengths)
