@@ -1,8 +1,9 @@
-"""Conflict regions that the map does not know: ground beside its ways that a long body covers as it swings through a turn.
+"""Conflict regions that the map does not know: ground beside its ways that a body covers as it swings through a turn.
 
 The map's regions lie between bands that cars sweep along the ways. A long body's front swings out of its way and its middle
-cuts the corner: over the lane of those who come towards it there, or over who waits at the line of another road. They do
-not look at it, no rule makes them, so it waits before its line until nobody is about to be there.
+cuts the corner, and so does a car where the turn is drawn tighter than it can drive: over the lane of those who come towards
+it there, or over who waits at the line of another road. They do not look at it, no rule makes them, so it waits before its
+line until nobody is about to be there.
 """
 
 from __future__ import annotations
@@ -72,9 +73,9 @@ def swept_conflicts(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) 
 def _swings_out(plan: NominalPlan, passage: Passage, graph: RoadGraph) -> bool:
     """Whether C leaves the map's way through a junction by more than BESIDE_OWN_WAY_M, other than to change lanes: a turn
     drawn tighter than a car can drive."""
-    curve, until = plan.curve, passage.end + HOLD_BACK_REACH_M
-    until = min((change.start for change in plan.lane_changes if change.end > passage.start), default=until)
-    at = slice(max(int(passage.start / curve.step), 0), int(min(until, passage.end + HOLD_BACK_REACH_M) / curve.step))
+    curve, changes = plan.curve, (change.start for change in plan.lane_changes if change.end > passage.start)
+    until = min([passage.end + HOLD_BACK_REACH_M, *changes])
+    at = slice(max(int(passage.start / curve.step), 0), int(until / curve.step))
     places = shapely.points(curve.x[at], curve.y[at])
     way = _own_way(graph, graph.connections[passage.connection_id])
     return bool((shapely.distance(places, way) > BESIDE_OWN_WAY_M).any())
