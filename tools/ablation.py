@@ -104,11 +104,17 @@ ABLATIONS = (
     Ablation("failure", "assessment: FAILURE (§2)", _out(Mechanism.FAILURE), "Nothing then asks who gives way."),
     Ablation("late", "assessment: late (§2)", {"excessive_delay_s": 1e9}),
     Ablation("behaviours", "five behaviours (§2)", _out(Mechanism.BEHAVIOURS), "Normal driving asks no rule."),
-    Ablation("tuning", "instructions tune w and v_d (§2)", _out(Mechanism.TUNING)),
+    Ablation(
+        "tuning", "instructions tune w and v_d (§2)", _out(Mechanism.TUNING),
+        "Only pulling out, falling back and moves differ, by less than a threshold.",
+    ),
     Ablation("room_behind", "post-conflict region (§2.1)", _out(Mechanism.ROOM_BEHIND)),
     Ablation("graph", "labelled graph (§2.1)", _out(Mechanism.GRAPH)),
     Ablation("events", "events (§2.1)", _out(Mechanism.EVENTS), "The pilot then decides at every step.", True),
-    Ablation("feedback", "feedback: no command (§3.1)", _out(Mechanism.FEEDBACK)),
+    Ablation(
+        "feedback", "feedback: no command (§3.1)", _out(Mechanism.FEEDBACK),
+        "Room to stop is kept ahead of time: in these runs there is always an admissible command.",
+    ),
     Ablation("escape", "local minima (§3.2)", _out(Mechanism.ESCAPE)),
     Ablation(
         "exact_tests", "collision test, room to stop (§3.3.1)", _out(Mechanism.ROOM_TO_STOP, collision_horizon_s=0.0)
