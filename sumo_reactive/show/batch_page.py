@@ -88,11 +88,8 @@ def differences_table(pairs: Sequence[TripPair], metrics: Sequence[str], names: 
         for metric in metrics:
             found = paired_difference([values for pair in inside if (values := pair.of(metric)) is not None])
             if found is not None:
-                told = frame.limits(found.interval, is_difference=True)
-                is_sure = found.interval is not None and not found.interval.holds_zero and found.n >= FEW
-                shown = Html(f"<strong>{told}</strong>") if is_sure else told
-                means = frame.number(found.first), frame.number(found.second), frame.signed(found.difference)
-                rows.append((names.get(scenario, "all"), varied, frame.title_of(metric), str(found.n), *means, shown))
+                cells = frame.difference_cells(found)
+                rows.append((names.get(scenario, "all"), varied, frame.title_of(metric), str(found.n), *cells))
     if rows:
         head = ("scenario", "varied", "figure", "pairs", "SUMO's own", "this driver", "difference", "95 % interval")
         yield frame.paragraph_of(_DIFFERENCES, _TOO_FEW if any(len(inside) < FEW for inside in groups.values()) else "")

@@ -16,7 +16,7 @@ from sumo_reactive.lab.metric_names import EVERY
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-    from sumo_reactive.lab.comparison.statistics import ConfidenceInterval
+    from sumo_reactive.lab.comparison.statistics import ConfidenceInterval, PairedDifference
 
 _DIGITS = 4
 _NUMBER = r"(<strong>)?[+−-]?\d[\d.,e+-]*( … [+−-]?\d[\d.,e+-]*)?(</strong>)?"
@@ -172,6 +172,13 @@ def number(value: float | None) -> str:
 def signed(value: float) -> str:
     """Return a difference with its sign."""
     return f"+{number(value)}" if value > 0.0 else number(value + 0.0)
+
+
+def difference_cells(found: PairedDifference) -> tuple[str, ...]:
+    """Return both means, the difference and its interval as cells of a row; the interval in bold if it is sure."""
+    told = limits(found.interval, is_difference=True)
+    means = number(found.first), number(found.second), signed(found.difference)
+    return *means, Html(f"<strong>{told}</strong>") if found.is_sure else told
 
 
 def limits(interval: ConfidenceInterval | None, *, is_difference: bool = False) -> str:

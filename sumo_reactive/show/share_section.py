@@ -103,9 +103,6 @@ def _differences(
                 if found is None:
                     continue
                 few = few or found.n < FEW
-                told = frame.limits(found.interval, is_difference=True)
-                is_sure = found.interval is not None and not found.interval.holds_zero and found.n >= FEW
-                means = frame.number(found.first), frame.number(found.second), frame.signed(found.difference)
-                last = Html(f"<strong>{told}</strong>") if is_sure else told
-                rows.append((line, f"{_PERCENT * share:g} %", title_of(metric), str(found.n), *means, last))
+                cells = frame.difference_cells(found)
+                rows.append((line, f"{_PERCENT * share:g} %", title_of(metric), str(found.n), *cells))
     return rows, few

@@ -51,6 +51,11 @@ class PairedDifference:
     difference: float
     interval: ConfidenceInterval | None
 
+    @property
+    def is_sure(self) -> bool:
+        """Whether the interval leaves out zero, of FEW pairs or more."""
+        return self.interval is not None and not self.interval.holds_zero and self.n >= FEW
+
 
 @dataclass(frozen=True, slots=True)
 class Effect:
