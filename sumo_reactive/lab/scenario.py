@@ -7,12 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.parameters import USUAL, Parameters, name_of
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ParameterError
+from sumo_reactive.lab.drivers.choice import (
+    REACTIVE,
+    REACTIVE_NAME,
+    DriverChoice,
+    DriverOption,
+    chosen_driver,
+    driver_problem,
+)
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS, given_options, read_config, seconds_of
@@ -62,8 +70,8 @@ class Scenario:
 
     `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
     run ends at the latest; it ends `horizon_s` after the ego's departure at the latest, too. `until_end` plays the scenario
-    out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `parameters` are the
-    driver's.
+    out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `driver` drives;
+    `parameters` are those of this project's.
     """
 
     config: Path
@@ -79,6 +87,7 @@ class Scenario:
     source: Path = Path()
     parameters: Parameters = USUAL
     horizon_s: float | None = None
+    driver: DriverChoice = REACTIVE
 
     def end_after(self, departure: float) -> float | None:
         """Return the simulation time (s) at which the run ends at the latest if the ego departs at `departure`."""
@@ -108,6 +117,16 @@ Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
 """A seed as files may name it."""
 
 
+def _known_driver(name: str) -> str:
+    if problem := driver_problem(name):
+        raise ValueError(problem)
+    return name
+
+
+DriverName = Annotated[str, AfterValidator(_known_driver)]
+"""A driver as files may name it."""
+
+
 class _Keys(TomlTable):
     """The table `[scenario]`."""
 
@@ -121,6 +140,8 @@ class _Keys(TomlTable):
     delays: Delays = Field(default=Delays.REPLAN, strict=False)
     obstacle_polygons: str = OBSTACLE_POLYGONS
     parameters: dict[str, Any] = Field(default_factory=dict)
+    driver: DriverName = REACTIVE_NAME
+    driver_options: dict[str, DriverOption] = Field(default_factory=dict)
 
     @field_validator("seeds")
     @classmethod
@@ -179,8 +200,9 @@ def load_scenario_file(path: Path) -> ScenarioFile:
     seeds = tuple(keys.pop("seeds") or [keys["seed"]])
     config = path.parent / file.scenario.config
     read_config(config)
+    driver = chosen_driver(keys["driver"], keys.pop("driver_options"), path.parent.absolute())
     keys |= {"config": config, "source": path, "seed": seeds[0], "parameters": Parameters.of(keys["parameters"])}
-    scenario = Scenario(**keys)
+    scenario = Scenario(**keys | {"driver": driver})
     return ScenarioFile(scenario, seeds, file.expect)
 
 

@@ -23,13 +23,14 @@ from sumo_reactive import __version__
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
+from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.recorder import COLUMNS, Recorder
 from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
-from sumo_reactive.lab.task import Driver, Task
+from sumo_reactive.lab.task import Task
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.config import SumoConfig, read_config
@@ -369,7 +370,7 @@ def run_observed(task: Task) -> dict[str, Any]:
     def see(scene: Scene) -> None:
         steps.append(scene.step)
 
-    run = run_sumo_driver if task.driver is Driver.SUMO else run_trial
+    run = run_sumo_driver if task.scenario.driver == SUMO else run_trial
     result = run(task.scenario, observer=see)
     return {"result": result, "entries": tuple(entries(steps)), "trajectory": digest_of(steps)}
 

@@ -6,17 +6,10 @@ import shlex
 from dataclasses import dataclass
 from enum import Enum
 
+from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.result import NetworkResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.trace import Entry
-
-
-class Driver(Enum):
-    """This project's controller, or SUMO's own driver (the baseline)."""
-
-    REACTIVE = "reactive"
-    SUMO = "sumo"
-
 
 SHARE = "share"
 """What a share of egos is called among the values that vary from trial to trial."""
@@ -24,10 +17,9 @@ SHARE = "share"
 
 @dataclass(frozen=True)
 class Task:
-    """One trial: a scenario, and who drives: one ego, or a `share` of all road cars, drawn by id and seed."""
+    """One trial: a scenario with one ego, or with a `share` of all road cars as egos, drawn by id and seed."""
 
     scenario: Scenario
-    driver: Driver = Driver.REACTIVE
     share: float | None = None
 
 
@@ -66,7 +58,7 @@ class Outcome:
 def replay_command(task: Task) -> str:
     """Return the command line that repeats a task; for SUMO's own driver, the comparison that contains it."""
     scenario = task.scenario
-    command = "run" if task.driver is Driver.REACTIVE else "compare"
+    command = "compare" if scenario.driver == SUMO else "run"
     share = [] if task.share is None else ["--ego-probability", f"{task.share:g}"]
     words = ["sumo-reactive", command, str(scenario.source), *share, *_options(scenario, command == "run")]
     if scenario.sumo_options:

@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 from sumo_reactive.lab.batch.store_file import DECISION_ROW, EMERGENCY_ROW
 from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
+from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS
-from sumo_reactive.lab.task import SHARE, Driver, Ending
+from sumo_reactive.lab.task import SHARE, Ending
 from sumo_reactive.lab.trace import Entry, entry_of
 
-_DONE, _BASELINE, _OURS = Ending.DONE.value, Driver.SUMO.value, Driver.REACTIVE.value
+_DONE = Ending.DONE.value
 _MOST_WORST = 10
 _FAULTS = tuple(METRICS[key] for key in ("collisions", "violations", "hard_braking_caused", "emergencies"))
 """What counts against a trial, the gravest first."""
@@ -88,8 +89,8 @@ def _trial(results: Results, row: Mapping[str, Any]) -> StoredTrial:
 def pairs_of(trials: Sequence[StoredTrial]) -> list[TripPair]:
     """Return each trial of this driver with the baseline of its trip, where there is one and both came to a result."""
     done = [trial for trial in trials if trial.ending == _DONE]
-    baselines = {_trip(trial): trial for trial in done if trial.driver == _BASELINE}
-    ours = [trial for trial in done if trial.driver == _OURS and _trip(trial) in baselines]
+    baselines = {_trip(trial): trial for trial in done if trial.driver == SUMO_NAME}
+    ours = [trial for trial in done if trial.driver == REACTIVE_NAME and _trip(trial) in baselines]
     return [TripPair(baselines[_trip(trial)], trial) for trial in ours]
 
 
@@ -107,7 +108,7 @@ def worst_of(trials: Sequence[StoredTrial], pairs: Sequence[TripPair]) -> list[W
         arrived = trial.metrics.get("arrived", 1.0)
         return trial.ending != _DONE, 1.0 - arrived, *faults, slower.get(trial.key, 0.0)
 
-    looked_at = [trial for trial in trials if trial.ending != _DONE or trial.driver == _OURS]
+    looked_at = [trial for trial in trials if trial.ending != _DONE or trial.driver == REACTIVE_NAME]
     ranked = sorted(looked_at, key=badness, reverse=True)
     told = [Worst(trial, _why(trial, slower.get(trial.key, 1.0))) for trial in ranked]
     return [one for one in told if one.why][:_MOST_WORST]

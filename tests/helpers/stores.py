@@ -8,10 +8,11 @@ from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
+from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.result import NetworkResult
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
+from sumo_reactive.lab.task import Ending, Outcome, Task
 from sumo_reactive.lab.trace import Entry
 
 FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
@@ -22,9 +23,9 @@ JUDGED = Entry(
 )  # fmt: skip
 
 
-def trial(seed, driver=Driver.REACTIVE, scenario="town.toml", parameters=None):
+def trial(seed, driver=REACTIVE, scenario="town.toml", parameters=None):
     """Return a trial of a scenario that stands for `scenario`."""
-    task = Task(replace(load_scenario(FOUR_WAY), seed=seed, ego=scenario.removesuffix(".toml")), driver)
+    task = Task(replace(load_scenario(FOUR_WAY), seed=seed, ego=scenario.removesuffix(".toml"), driver=driver))
     return Trial(scenario, parameters or {}, {}, task)
 
 
@@ -41,7 +42,7 @@ def made_store(path):
     kept = []
     for scenario, slower in (("town.toml", 0.0), ("land.toml", 20.0)):
         for seed in (1, 2, 3):
-            baseline, ours = trial(seed, Driver.SUMO, scenario), trial(seed, Driver.REACTIVE, scenario)
+            baseline, ours = trial(seed, SUMO, scenario), trial(seed, REACTIVE, scenario)
             kept.append((baseline, outcome(baseline, 40.0 + slower + seed, jerk=4.0 + 0.1 * seed)))
             kept.append((ours, outcome(ours, 30.0 + slower + 2.0 * seed, jerk=1.0 + 0.1 * seed)))
     hit = trial(4)
@@ -62,7 +63,7 @@ def made_share_store(path, seeds=4):
     kept = []
     for share in (0.0, 0.2, 0.6):
         for seed in range(1, seeds + 1):
-            task = Task(replace(load_scenario(FOUR_WAY), seed=seed), Driver.REACTIVE, share)
+            task = Task(replace(load_scenario(FOUR_WAY), seed=seed), share)
             one = Trial("town.toml", {"share": share}, {}, task)
             metrics = {
                 "egos": 100.0 * share, "network_mean_time_loss_s": 20.0 - 5.0 * share + 0.1 * seed,

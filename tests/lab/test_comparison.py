@@ -24,18 +24,19 @@ from sumo_reactive.lab.comparison.record import (
     require_usable,
     write,
 )
+from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO, DriverChoice
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
-from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
+from sumo_reactive.lab.task import Ending, Outcome, Task
 
 ROOT = Path(__file__).resolve().parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 CONFIG = ROOT / "networks" / "four_way_priority" / "four_way_priority.sumocfg"
 
 
-def side(driver: Driver, duration: float, arrived: bool = True, loss: float = 10.0, collisions: int = 0) -> Side:
+def side(driver: DriverChoice, duration: float, arrived: bool = True, loss: float = 10.0, collisions: int = 0) -> Side:
     """A run of `duration` s; the others lost `loss` s."""
     touched = tuple(Fault(1.0, COLLISION, "a", "lane") for _ in range(collisions))
     result = TrialResult(
@@ -43,7 +44,7 @@ def side(driver: Driver, duration: float, arrived: bool = True, loss: float = 10
         5.0 + duration, 1.0, 100.0, {"collisions": collisions}, faults=touched,
     )  # fmt: skip
     effects = NetworkEffects({"others_time_loss_s": loss, "others_stops": 2}, {"a": Arrival(loss, 1.0)})
-    return Side(Outcome(Task(SCENARIO, driver), Ending.DONE, result), effects)
+    return Side(Outcome(Task(replace(SCENARIO, driver=driver)), Ending.DONE, result), effects)
 
 
 SCENARIO = Scenario(config=CONFIG, ego="ego", source=CONFIG)
@@ -55,11 +56,11 @@ def pair(sumo: Side, reactive: Side, seed: int = 42) -> Pair:
     return Pair(replace(SCENARIO, seed=seed), sumo, reactive)
 
 
-GOOD = pair(side(Driver.SUMO, 30.0, loss=10.0), side(Driver.REACTIVE, 33.0, loss=12.0))
+GOOD = pair(side(SUMO, 30.0, loss=10.0), side(REACTIVE, 33.0, loss=12.0))
 
 
 def test_a_difference_is_ours_minus_sumos_own_over_all_pairs():
-    other = pair(side(Driver.SUMO, 40.0, loss=10.0), side(Driver.REACTIVE, 41.0, loss=6.0), seed=43)
+    other = pair(side(SUMO, 40.0, loss=10.0), side(REACTIVE, 41.0, loss=6.0), seed=43)
     found = Comparison((GOOD, other), 600.0).differences
     assert (found["duration_s"].n, found["duration_s"].difference) == (2, 2.0)
     assert found["others_time_loss_s"].difference == -1.0
@@ -67,7 +68,7 @@ def test_a_difference_is_ours_minus_sumos_own_over_all_pairs():
 
 
 def test_a_trip_is_compared_only_where_both_have_arrived_but_arrivals_collisions_and_others_always():
-    late = pair(side(Driver.SUMO, 40.0), side(Driver.REACTIVE, 595.0, arrived=False, collisions=1, loss=90.0), seed=43)
+    late = pair(side(SUMO, 40.0), side(REACTIVE, 595.0, arrived=False, collisions=1, loss=90.0), seed=43)
     found = Comparison((GOOD, late), 600.0).differences
     assert (found["duration_s"].n, found["duration_s"].difference) == (1, 3.0)
     assert (found["arrived"].n, found["arrived"].difference) == (2, -0.5)
@@ -76,7 +77,7 @@ def test_a_trip_is_compared_only_where_both_have_arrived_but_arrivals_collisions
 
 
 def test_a_run_that_got_to_no_end_leaves_its_pair_out_and_is_told_with_the_command_that_drives_it_again():
-    comparison = Comparison((GOOD, pair(side(Driver.SUMO, 40.0), CRASHED, seed=43)), 600.0)
+    comparison = Comparison((GOOD, pair(side(SUMO, 40.0), CRASHED, seed=43)), 600.0)
     assert comparison.exit_code == 1 and Comparison((GOOD,), 600.0).exit_code == 0
     assert {found.n for found in comparison.differences.values()} == {1}
     told = "\n".join(notes_of(comparison))
@@ -88,7 +89,7 @@ def test_one_pair_says_that_it_has_no_interval_and_few_pairs_that_theirs_are_nar
     one = Comparison((GOOD,), 600.0)
     assert {row[-1] for row in comparison_rows(one)} == {"none: n = 1"}
     assert notes_of(one) == ["One pair has no interval: give several egos or seeds."]
-    two = Comparison((GOOD, pair(side(Driver.SUMO, 40.0), side(Driver.REACTIVE, 41.0), seed=43)), 600.0)
+    two = Comparison((GOOD, pair(side(SUMO, 40.0), side(REACTIVE, 41.0), seed=43)), 600.0)
     assert "Fewer than 10 pairs" in "\n".join(notes_of(two))
     (row,) = (row for row in comparison_rows(two) if row[0] == "duration (s)")
     assert row == ("duration (s)", "2", "35", "37", "+2", "+1 … +3")

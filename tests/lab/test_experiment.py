@@ -6,9 +6,9 @@ import pytest
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import SHARE_METRICS, load_experiment
+from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
 from sumo_reactive.lab.metric_names import NETWORK
 from sumo_reactive.lab.scenario import load_scenario_file
-from sumo_reactive.lab.task import Driver
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = f"{ROOT}/scenarios/four_way_priority.toml"
@@ -26,7 +26,7 @@ def test_what_is_left_out_comes_from_the_scenario(tmp_path):
     (choice,) = experiment.choices
     assert (choice.seeds, choice.egos, choice.scenario.ego) == (load_scenario_file(Path(FOUR_WAY)).seeds, (), "ego")
     assert experiment.store == tmp_path / "e.duckdb"
-    assert experiment.keys.drivers == [Driver.REACTIVE, Driver.SUMO]
+    assert experiment.drivers == (REACTIVE, SUMO)
 
 
 def test_values_alone_are_grids_of_one(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from sumo_reactive.lab.metric_names import NETWORK
 from sumo_reactive.lab.penetration import run_share
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.task import Driver, Task
+from sumo_reactive.lab.task import Task
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "right_before_left.toml"
 UNTIL_S = 40.0
@@ -17,7 +17,7 @@ UNTIL_S = 40.0
 def shared(share, seed=3, **others):
     """What a run with a share of egos comes to."""
     scenario = replace(load_scenario(SCENARIO), seed=seed, until_s=UNTIL_S, **others)
-    return run_share(Task(scenario, Driver.REACTIVE, share))
+    return run_share(Task(scenario, share))
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,10 @@ import psutil
 import pytest
 
 from sumo_reactive.driver.parameters import Parameters
+from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.runner import Runner, close_all, run_all
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.task import Driver, Ending, Task
+from sumo_reactive.lab.task import Ending, Task
 from sumo_reactive.lab.trial_process import scratch
 
 LIMIT_S = 200.0
@@ -37,7 +38,7 @@ def children():
 
 def test_the_same_trial_twice_with_others_between_is_the_same(runner, scenario):
     first, other, again = (runner.run(Task(replace(scenario, seed=seed)), LIMIT_S) for seed in (42, 7, 42))
-    baseline = runner.run(Task(scenario, Driver.SUMO), LIMIT_S)
+    baseline = runner.run(Task(replace(scenario, driver=SUMO)), LIMIT_S)
     assert {one.ending for one in (first, other, again, baseline)} == {Ending.DONE}
     assert first.trajectory == again.trajectory != other.trajectory
     assert first.result.metrics == again.result.metrics
@@ -113,7 +114,7 @@ def test_what_runs_in_a_common_folder_leaves_it_to_who_gave_it(scenario, tmp_pat
 def test_an_interrupt_while_runners_are_closed_leaves_neither_a_process_nor_a_folder(scenario, monkeypatch):
     runners = [Runner(), Runner()]
     for one in runners:
-        assert one.run(Task(scenario, Driver.SUMO), LIMIT_S).ending is Ending.DONE
+        assert one.run(Task(replace(scenario, driver=SUMO)), LIMIT_S).ending is Ending.DONE
     child = runners[0]._child
     processes = {one._child._process.pid for one in runners}
     folders, wait, begun = [one._child._own_scratch for one in runners], child._process.wait, []

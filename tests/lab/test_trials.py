@@ -10,8 +10,9 @@ from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.batch.trials import Departure, _digest_of_files, drawn_egos, key_of, scout, trials_of
+from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.task import Driver, Task
+from sumo_reactive.lab.task import Task
 
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
@@ -29,7 +30,7 @@ def test_a_grid_is_a_product_and_the_baseline_is_run_once(tmp_path):
     found = trials(tmp_path, more)
     assert len(found) == 2 * 2 * (4 + 1)
     assert len({trial.key for trial in found}) == len(found)
-    assert all(not trial.parameters for trial in found if trial.task.driver is Driver.SUMO)
+    assert all(not trial.parameters for trial in found if trial.task.scenario.driver == SUMO)
     points = {tuple(trial.task.scenario.parameters.varied.items()) for trial in found if trial.parameters}
     assert points == {(("progress_m", far), ("stuck_s", long)) for far in (1.0, 2.0) for long in (100.0, 200.0)}
 
@@ -79,7 +80,7 @@ def test_a_key_depends_on_contents_and_not_on_where_they_lie(tmp_path):
 def test_whatever_is_asked_for_is_part_of_the_key():
     scenario = load_scenario(FOUR_WAY)
     asked = [
-        Task(scenario), Task(scenario, Driver.SUMO),
+        Task(scenario), Task(replace(scenario, driver=SUMO)),
         Task(replace(scenario, parameters=Parameters(stuck_s=1.0))),
         Task(replace(scenario, seed=1)), Task(replace(scenario, ego="other")), Task(replace(scenario, step_length_s=0.2)),
         Task(replace(scenario, until_s=1.0)), Task(replace(scenario, sumo_options=("--scale", "2"))),
@@ -91,7 +92,7 @@ def test_shares_of_egos_are_trials_of_their_own_and_told_among_what_varies(tmp_p
     found = trials(tmp_path, "seeds = [1, 2]\n[egos]\nshare = [0.0, 0.3]\n[parameters]\nstuck_s = [5.0, 9.0]\n")
     assert len(found) == len({trial.key for trial in found}) == 8
     assert {trial.task.share for trial in found} == {0.0, 0.3}
-    assert {trial.task.driver for trial in found} == {Driver.REACTIVE}
+    assert {trial.task.scenario.driver for trial in found} == {REACTIVE}
     one = next(trial for trial in found if trial.task.share == 0.3 and trial.task.scenario.seed == 2)
     assert one.parameters == {"share": 0.3, "stuck_s": 5.0}
     assert "--ego-probability 0.3 --seed 2" in one.replay

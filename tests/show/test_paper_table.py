@@ -11,7 +11,7 @@ from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.comparison.record import CSV_COLUMNS, CSV_FILE
-from sumo_reactive.lab.task import Driver
+from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.show.paper_table import TITLES, Format, table_of
 
 DURATIONS = ("duration_s", "rms_jerk_m_s3")
@@ -45,7 +45,7 @@ def test_both_drivers_are_compared_over_the_pairs_of_a_store(store):
 
 
 def test_what_varies_in_a_batch_begins_a_part_of_the_table(tmp_path):
-    ones = [trial(seed, Driver.SUMO) for seed in (1, 2)]
+    ones = [trial(seed, SUMO) for seed in (1, 2)]
     for margin in (0.1, 0.3):
         varied = {"corridor_margin_m": margin}
         for one in (trial(seed, parameters=varied) for seed in (1, 2)):

@@ -13,16 +13,15 @@ from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.files import text_of
+from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME, DriverChoice, DriverOption, chosen_driver
 from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS, NETWORK
-from sumo_reactive.lab.scenario import Scenario, Seed, load_scenario, load_scenario_file, named_once, parameter
+from sumo_reactive.lab.scenario import DriverName, Scenario, Seed, load_scenario, load_scenario_file, named_once, parameter
 from sumo_reactive.lab.schema import TomlTable, line_number_of, nearest, problem_at, read_toml
-from sumo_reactive.lab.task import Driver
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 
 OURS = ("seed", "step-length")
 """SUMO options that the experiment names in keys of their own."""
 
-_Driver = Annotated[Driver, Field(strict=False)]
 Word = str | int | float | bool
 
 
@@ -31,7 +30,7 @@ class ExperimentKeys(TomlTable):
 
     scenarios: list[str] = Field(min_length=1)
     seeds: list[Seed] | None = Field(default=None, min_length=1)
-    drivers: list[_Driver] = Field(default=[Driver.REACTIVE, Driver.SUMO], min_length=1)
+    drivers: list[DriverName] = Field(default=[REACTIVE_NAME, SUMO_NAME], min_length=1)
     metrics: list[str] = Field(default=["arrived", "collisions", "violations", "duration_s", "time_loss_s"])
     store: str | None = None
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
@@ -97,13 +96,14 @@ class SampleKeys(TomlTable):
 
 
 class ExperimentFile(TomlTable):
-    """All tables: values of `parameters` and `options` that are lists make a grid."""
+    """All tables: values of `parameters` and `options` that are lists make a grid; `driver_options` are by driver."""
 
     experiment: ExperimentKeys
     egos: EgoKeys = Field(default_factory=EgoKeys)
     parameters: dict[str, float | list[float]] = Field(default_factory=dict)
     samples: SampleKeys | None = None
     options: dict[str, Word | list[Word]] = Field(default_factory=dict)
+    driver_options: dict[str, dict[str, DriverOption]] = Field(default_factory=dict)
 
     @field_validator("parameters")
     @classmethod
@@ -159,6 +159,7 @@ class Experiment:
     grid: dict[str, list[float]]
     samples: SampleKeys | None
     options: dict[str, list[Word]]
+    drivers: tuple[DriverChoice, ...]
 
     def problem(self, keys: tuple[str | int, ...], message: str) -> ScenarioError:
         """Return the error that names the line of a key."""
@@ -176,7 +177,16 @@ def load_experiment(path: Path) -> Experiment:
     store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(STORE_SUFFIX)
     grid = {name: value if isinstance(value, list) else [value] for name, value in file.parameters.items()}
     options = {name: value if isinstance(value, list) else [value] for name, value in file.options.items()}
-    return Experiment(path, store, keys, choices, file.egos, grid, file.samples, options)
+    return Experiment(path, store, keys, choices, file.egos, grid, file.samples, options, _drivers(path, file))
+
+
+def _drivers(path: Path, file: ExperimentFile) -> tuple[DriverChoice, ...]:
+    for name in file.driver_options:
+        if name not in file.experiment.drivers:
+            near = nearest(name, file.experiment.drivers)
+            raise _problem(path, ("driver_options", name), f"no driver of this experiment{near}")
+    folder = path.parent.absolute()
+    return tuple(chosen_driver(name, file.driver_options.get(name, {}), folder) for name in file.experiment.drivers)
 
 
 def _check_egos(path: Path, file: ExperimentFile) -> None:

@@ -86,7 +86,7 @@ class Store(StoreFile):
 def _row(trial: Trial, outcome: Outcome, attempts: int) -> Iterable[Any]:
     scenario, result = trial.task.scenario, outcome.judged
     return [
-        trial.key, trial.scenario, result.ego if result else scenario.ego, scenario.seed, trial.task.driver.value,
+        trial.key, trial.scenario, result.ego if result else scenario.ego, scenario.seed, str(scenario.driver),
         json.dumps(dict(trial.parameters), sort_keys=True), json.dumps(dict(trial.options), sort_keys=True),
         outcome.ending.value, outcome.reason, result.verdict if result else None, attempts,
         result.departure_s if result else None, outcome.wall_s, outcome.trajectory, trial.replay, json.dumps(release()),

@@ -17,9 +17,10 @@ from typing import NamedTuple, TypeVar
 import sumo_reactive
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
+from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.simulation import started, versions
-from sumo_reactive.lab.task import SHARE, Driver, Task, replay_command
+from sumo_reactive.lab.task import SHARE, Task, replay_command
 from sumo_reactive.sumo.config import INPUT_FILES, OUTPUT_FILES, option_words, read_config
 from sumo_reactive.sumo.input_files import inputs_of, words_of
 from sumo_reactive.sumo.outputs import AS_READ, read_trips, silenced
@@ -85,7 +86,7 @@ def key_of(task: Task) -> str:
         "delays": scenario.delays.value,
         "obstacle_polygons": scenario.obstacle_polygons,
         "sumo_options": scenario.sumo_options,
-        "driver": task.driver.value,
+        "driver": str(scenario.driver),
         SHARE: task.share,
         "parameters": scenario.parameters.varied,
         "versions": release(),
@@ -166,7 +167,7 @@ class Trial:
         said = "".join(f" {name}={value}" for name, value in varied.items())
         scenario = self.task.scenario
         who = f"{scenario.ego or '(own ego)'} " if self.task.share is None else ""
-        return f"{self.scenario} {who}seed {scenario.seed} {self.task.driver.value}{said}"
+        return f"{self.scenario} {who}seed {scenario.seed} {scenario.driver}{said}"
 
 
 def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
@@ -181,7 +182,7 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
     for point, choice, options in itertools.product(
         list(_points(experiment)), experiment.choices, list(_product(experiment.options))
     ):
-        for case in itertools.product(choice.seeds, egos[choice.name], experiment.keys.drivers):
+        for case in itertools.product(choice.seeds, egos[choice.name], experiment.drivers):
             trial = _trial(experiment, choice, case, point, options)
             found.setdefault(trial.key, trial)
     return list(found.values())
@@ -193,9 +194,9 @@ def _shares(experiment: Experiment, shares: Sequence[float]) -> Iterator[Trial]:
         list(_points(experiment)), experiment.choices, list(_product(experiment.options))
     ):
         for share, seed in itertools.product(shares, choice.seeds):
-            one = _trial(experiment, choice, (seed, None, Driver.REACTIVE), point, options)
+            one = _trial(experiment, choice, (seed, None, REACTIVE), point, options)
             scenario = replace(one.task.scenario, sumo_options=_words(options))  # outputs are dealt with where it is run
-            yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, Driver.REACTIVE, share))
+            yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, share))
 
 
 def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | None]:
@@ -212,12 +213,12 @@ def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | No
 
 
 def _trial(
-    experiment: Experiment, choice: Choice, case: tuple[int, str | None, Driver],
+    experiment: Experiment, choice: Choice, case: tuple[int, str | None, DriverChoice],
     grid_point: Mapping[str, float], options: Mapping[str, Word],
 ) -> Trial:  # fmt: skip
     """Return one trial. Parameters are this project's driver's: SUMO's own is the same baseline whatever they are."""
     keys, base, (seed, ego, driver) = experiment.keys, choice.scenario, case
-    point = grid_point if driver is Driver.REACTIVE else {}
+    point = grid_point if driver == REACTIVE else {}
     scenario = replace(
         base,
         config=base.config.absolute(),
@@ -231,8 +232,9 @@ def _trial(
         delays=keys.delays or base.delays,
         parameters=base.parameters.with_values(point),
         sumo_options=(*_quiet(base.config), *_words(options)),
+        driver=driver,
     )
-    return Trial(choice.name, point, options, Task(scenario, driver))
+    return Trial(choice.name, point, options, Task(scenario))
 
 
 @cache

@@ -10,11 +10,12 @@ from functools import cached_property
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
 from sumo_reactive.lab.comparison.statistics import PairedDifference, paired_difference
+from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO, DriverChoice
 from sumo_reactive.lab.metric_names import OTHERS
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.task import Driver, Ending, Outcome, Task
+from sumo_reactive.lab.task import Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import scratch
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, option_words, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
@@ -157,9 +158,9 @@ def compare(
     """
     with scratch() as folder:
         runs = [
-            (driver, scenario, Outputs(folder, f"{k}_{driver.value}_"))
+            (driver, scenario, Outputs(folder, f"{k}_{driver.name}_"))
             for k, scenario in enumerate(scenarios)
-            for driver in (Driver.SUMO, Driver.REACTIVE)
+            for driver in (SUMO, REACTIVE)
         ]
         tasks = [_task(scenario, driver, outputs, horizon_s) for driver, scenario, outputs in runs]
         outcomes = run_all(tasks, jobs, wall_limit_s, progress, folder)
@@ -170,17 +171,17 @@ def compare(
     return Comparison(tuple(Pair(scenario, sumo, reactive) for scenario, sumo, reactive in pairs), horizon_s)
 
 
-def _task(scenario: Scenario, driver: Driver, outputs: Outputs, horizon_s: float) -> Task:
+def _task(scenario: Scenario, driver: DriverChoice, outputs: Outputs, horizon_s: float) -> Task:
     """Return the run of a scenario that goes on for the others, and writes what tells of them."""
     config = read_config(scenario.config)
     ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
     options = outputs.options(config)
     _require_free(scenario, options)
     asked = replace(
-        scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True,
+        scenario, until_s=min(ends, default=None), horizon_s=horizon_s, until_end=True, driver=driver,
         sumo_options=(*scenario.sumo_options, *option_words(options)),
     )  # fmt: skip
-    return Task(asked, driver)
+    return Task(asked)
 
 
 def _require_free(scenario: Scenario, ours: Mapping[str, str]) -> None:
