@@ -35,6 +35,12 @@ class ClusterError(InputError):
     """A scheduler that cannot be reached, or whose workers cannot run this package."""
 
 
+class DriverError(ReactiveError):
+    """A driver of the user's that raised, or answered what no car can do: its trip has failed (exit code 1)."""
+
+    exit_code = 1
+
+
 class PlanError(InputError):
     """A route that no lane sequence connects."""
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -14,6 +16,7 @@ from sumo_reactive import __version__
 
 if TYPE_CHECKING:
     from sumo_reactive.driver.parameters import Parameters
+    from sumo_reactive.lab.drivers.choice import DriverChoice, DriverOption
     from sumo_reactive.lab.scenario import Scenario
     from sumo_reactive.sumo.session import Progress
 
@@ -26,6 +29,13 @@ ParameterOption = Annotated[
     list[str] | None, typer.Option(metavar="NAME=VALUE", help="another value for a parameter of the driver (repeatable)")
 ]
 """The option `--parameter` of a command."""
+
+DRIVER_HELP = "who drives: reactive, sumo, module:Class, 'exec:PROGRAM …' or the name of an installed one"
+
+DriverOptions = Annotated[
+    list[str] | None, typer.Option("--driver-option", metavar="NAME=VALUE", help="for the driver named (repeatable)")
+]
+"""The option `--driver-option` of a command."""
 
 app = typer.Typer(name="sumo-reactive", add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
 
@@ -56,6 +66,32 @@ def parameters_with(scenario: Scenario, said: Sequence[str]) -> Parameters:
         except ValueError as error:
             raise typer.BadParameter(f"--parameter: '{text}' is not NAME=VALUE with a number") from error
     return scenario.parameters.with_values(values)
+
+
+def drivers_named(names: Sequence[str], said: Sequence[str]) -> list[DriverChoice]:
+    """Return the drivers that the command line names, those of the user's with the options that it says."""
+    from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME, chosen_driver, driver_problem
+
+    for name in names:
+        if problem := driver_problem(name):
+            raise typer.BadParameter(f"--driver: {problem}")
+    options = dict(_driver_option(text) for text in said)
+    built_in = (REACTIVE_NAME, SUMO_NAME)
+    if options and not set(names) - set(built_in):
+        raise typer.BadParameter("--driver-option: there is no --driver of the user's that takes it")
+    return [chosen_driver(name, {} if name in built_in else options, Path.cwd()) for name in names]
+
+
+def _driver_option(text: str) -> tuple[str, DriverOption]:
+    """Return an option NAME=VALUE with the value as TOML reads it, or as text where that says nothing."""
+    name, is_there, value = text.partition("=")
+    if not name or not is_there:
+        raise typer.BadParameter(f"--driver-option: '{text}' is not NAME=VALUE")
+    try:
+        read = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        read = value
+    return name, read if isinstance(read, str | int | float | bool) else value
 
 
 def note_compiling() -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app, note_compiling
+from sumo_reactive.cli.app import DRIVER_HELP, DriverOptions, app, drivers_named, note_compiling
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.check import Verdict
@@ -20,12 +20,15 @@ def check(
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="processes to run at the same time")] = 1,
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = 600.0,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="keep record and page of what was not met there")] = None,
+    driver: Annotated[list[str] | None, typer.Option(help=f"{DRIVER_HELP} (repeatable); else as the file says")] = None,
+    driver_option: DriverOptions = None,
 ) -> int:
     """Run every scenario with every seed it names, and tell what of its expectations was not met."""
     from sumo_reactive.lab.check import cases_of, run_cases
     from sumo_reactive.lab.discovery import scenario_files
 
-    cases = [case for file in scenario_files(paths) for case in cases_of(file)]
+    drivers = drivers_named(driver or [], driver_option or [])
+    cases = [case for file in scenario_files(paths) for case in cases_of(file, drivers)]
     for target in (junit, out):
         if target is not None:
             from sumo_reactive.writing import require_writable

@@ -1,9 +1,10 @@
-"""`sumo-reactive compare`: the same trips under SUMO's own driver and under this one."""
+"""`sumo-reactive compare`: the same trips under SUMO's own driver and under others."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -12,8 +13,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sumo_reactive.cli.app import (
+    DRIVER_HELP,
+    DriverOptions,
     ParameterOption,
     app,
+    drivers_named,
     figures_kept,
     note_compiling,
     parameters_with,
@@ -24,6 +28,7 @@ from sumo_reactive.cli.app import (
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.comparison.comparison import Comparison
+    from sumo_reactive.lab.drivers.choice import DriverChoice
     from sumo_reactive.lab.scenario import Scenario
 
 _HORIZON_S = 600.0
@@ -43,6 +48,8 @@ def compare_drivers(
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     until: Annotated[float | None, typer.Option(help="end both runs at this simulation time, s")] = None,
     parameter: ParameterOption = None,
+    driver: Annotated[list[str] | None, typer.Option(help=f"{DRIVER_HELP} (repeatable)")] = None,
+    driver_option: DriverOptions = None,
     horizon: Annotated[
         float, typer.Option(min=1.0, help="end both runs this long after the ego's departure, s")
     ] = _HORIZON_S,
@@ -52,27 +59,66 @@ def compare_drivers(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another comparison in that folder")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print no table")] = False,
 ) -> int:
-    """Let SUMO's own driver and this one drive the same trips, and tell the differences, for the ego and for the others."""
+    """Let SUMO's own driver and another drive the same trips, and tell the differences, for the ego and for the others."""
     from sumo_reactive.lab.comparison.comparison import compare
     from sumo_reactive.lab.comparison.record import require_usable, write
 
     scenarios = _scenarios(config, ego or [], [number for text in seed or [] for number in _seeds(text)])
     options = {"step_length_s": step_length, "until_s": until, "sumo_options": tuple(context.obj or ())}
     scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in scenarios]
-    if out is not None:
-        require_usable(out, overwrite)
+    drivers = _challengers(scenarios[0], driver or [], driver_option or [])
+    folders = _folders(out, drivers)
+    for folder in folders:
+        require_usable(folder, overwrite)
     note_compiling()
-    runs, numbers = 2 * len(scenarios), count(1)
+    with _counted((1 + len(drivers)) * len(scenarios), quiet) as progress:
+        comparisons = compare(
+            scenarios, horizon_s=horizon, jobs=jobs or os.cpu_count() or 1, wall_limit_s=time_limit, drivers=drivers,
+            progress=progress,
+        )  # fmt: skip
+    _show_all(comparisons, quiet)
+    for comparison, folder in zip(comparisons, folders, strict=False):
+        with figures_kept(quiet, lambda: _show_all(comparisons, False)):
+            write(comparison, folder)
+    return max(comparison.exit_code for comparison in comparisons)
+
+
+@contextmanager
+def _counted(runs: int, quiet: bool) -> Iterator[Callable[[object], None] | None]:
+    """Give a function that tells how many of the runs have ended; None where nobody looks."""
+    numbers = count(1)
     with status_shown(quiet, f"0 of {runs} runs") as show:
-        progress = None if show is None else lambda _: show(f"{next(numbers)} of {runs} runs")
-        comparison = compare(
-            scenarios, horizon_s=horizon, jobs=jobs or os.cpu_count() or 1, wall_limit_s=time_limit, progress=progress
-        )
-    _show(comparison, quiet)
-    if out is not None:
-        with figures_kept(quiet, lambda: _show(comparison, False)):
-            write(comparison, out)
-    return comparison.exit_code
+        yield None if show is None else lambda _: show(f"{next(numbers)} of {runs} runs")
+
+
+def _challengers(scenario: Scenario, names: Sequence[str], options: Sequence[str]) -> list[DriverChoice]:
+    """Return who is compared with SUMO's own driver: those named, else the scenario's, else this project's."""
+    from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
+    from sumo_reactive.lab.drivers.loading import require_driver
+
+    found = drivers_named(names, options) or [REACTIVE if scenario.driver == SUMO else scenario.driver]
+    for one in found:
+        require_driver(one)
+    if SUMO in found or len(set(found)) < len(found):
+        raise typer.BadParameter("--driver: each once; SUMO's own driver is there anyway")
+    return found
+
+
+def _folders(out: Path | None, drivers: Sequence[DriverChoice]) -> list[Path]:
+    """Return the folder of each comparison: the one asked for, or one a driver in it where there are several."""
+    from sumo_reactive.lab.recorder import EgoFolders
+
+    if out is None or len(drivers) == 1:
+        return [] if out is None else [out]
+    names = EgoFolders(())
+    return [out / names.of(str(driver)) for driver in drivers]
+
+
+def _show_all(comparisons: Sequence[Comparison], quiet: bool) -> None:
+    for comparison in comparisons:
+        if len(comparisons) > 1:
+            typer.echo(f"\n{comparison.driver}")
+        _show(comparison, quiet)
 
 
 def _scenarios(config: Path, egos: Sequence[str], seeds: Sequence[int]) -> list[Scenario]:
@@ -104,12 +150,12 @@ def _seeds(text: str) -> range:
 
 
 def _show(comparison: Comparison, quiet: bool) -> None:
-    from sumo_reactive.lab.comparison.record import HEAD, comparison_rows, notes_of
+    from sumo_reactive.lab.comparison.record import comparison_rows, head_of, notes_of
 
     if not quiet:
         rows = comparison_rows(comparison)
         if rows:
-            show_table(rows, HEAD)
+            show_table(rows, head_of(comparison))
         typer.echo("\n".join(notes_of(comparison)))
     driven = len(comparison.pairs) - len(comparison.failed)
     typer.echo(f"{driven} of {len(comparison.pairs)} {'pair' if len(comparison.pairs) == 1 else 'pairs'} driven by both")

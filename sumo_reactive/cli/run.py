@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from sumo_reactive.cli.app import (
+    DRIVER_HELP,
+    DriverOptions,
     ParameterOption,
     app,
+    drivers_named,
     figures_kept,
     note_compiling,
     parameters_with,
@@ -66,6 +69,8 @@ def run(
     delays: Annotated[DelaysName | None, typer.Option(help="shift times by a delay, as in the paper, or re-plan")] = None,
     until: Annotated[float | None, typer.Option(help="end at this simulation time, s")] = None,
     parameter: ParameterOption = None,
+    driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None,
+    driver_option: DriverOptions = None,
     until_end: Annotated[bool, typer.Option("--until-end", help="play on after the ego has arrived")] = False,
     out: Annotated[Path | None, typer.Option(help="folder for summary, trajectory and decisions")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another run in that folder")] = False,
@@ -82,6 +87,7 @@ def run(
         scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
         profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end,
         parameters=parameters_with(scenario, parameter or []),
+        driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None),
         sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
     rule = _rule(scenario, named, ego_type or [], ego_probability)

@@ -11,11 +11,13 @@ from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
 
+from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
+from sumo_reactive.lab.drivers.loading import require_driver
 from sumo_reactive.lab.recorder import PAGE, SUMMARY
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.runner import Runner, run_all
 from sumo_reactive.lab.scenario import Expectation, Limit, Scenario, load_scenario_file
-from sumo_reactive.lab.task import Ending, Outcome, Task
+from sumo_reactive.lab.task import Ending, Outcome, Task, driver_words
 from sumo_reactive.writing import whole_file
 
 
@@ -28,13 +30,15 @@ class Case:
 
     @property
     def name(self) -> str:
-        """The file and the seed."""
-        return f"{self.scenario.source} seed {self.scenario.seed}"
+        """The file, the seed, and the driver if it is another than this project's."""
+        driver = "" if self.scenario.driver == REACTIVE else f" driver {self.scenario.driver}"
+        return f"{self.scenario.source} seed {self.scenario.seed}{driver}"
 
     @property
     def replay(self) -> str:
         """The command that runs the same trial again."""
-        return shlex.join(("sumo-reactive", "run", str(self.scenario.source), "--seed", str(self.scenario.seed)))
+        words = ("sumo-reactive", "run", str(self.scenario.source), "--seed", str(self.scenario.seed))
+        return shlex.join((*words, *driver_words(self.scenario.driver)))
 
     @property
     def task(self) -> Task:
@@ -58,10 +62,14 @@ class Verdict:
         return not self.reasons
 
 
-def cases_of(file: Path) -> list[Case]:
-    """Return the cases of a scenario file in the order of its seeds; raise ScenarioError for what cannot be run."""
+def cases_of(file: Path, drivers: Sequence[DriverChoice] = ()) -> list[Case]:
+    """Return the cases of a scenario file, one a seed for each of `drivers` (none: its own); raise ScenarioError for what
+    cannot be run."""
     scenario, seeds, expectation = load_scenario_file(file)
-    return [Case(replace(scenario, seed=seed), expectation) for seed in seeds]
+    found = drivers or (scenario.driver,)
+    for driver in found:
+        require_driver(driver)
+    return [Case(replace(scenario, seed=seed, driver=driver), expectation) for driver in found for seed in seeds]
 
 
 def run_cases(cases: Sequence[Case], jobs: int, wall_limit_s: float) -> Iterator[Verdict]:
@@ -116,7 +124,8 @@ def write_junit(path: Path, verdicts: Iterable[Told]) -> None:
 def _case(verdict: Verdict, text: str) -> TestCase:
     scenario, ending = verdict.case.scenario, verdict.outcome.ending
     source = scenario.source.with_suffix("")
-    case = TestCase(f"seed {scenario.seed}", ".".join(source.relative_to(source.anchor).parts), verdict.outcome.wall_s)
+    name = verdict.case.name.removeprefix(f"{scenario.source} ")
+    case = TestCase(name, ".".join(source.relative_to(source.anchor).parts), verdict.outcome.wall_s)
     if not verdict.is_met:
         message = _NO_XML.sub("", "; ".join(verdict.reasons))
         problem = Failure(message, "unmet") if ending is Ending.DONE else Error(message, ending.value)

@@ -42,15 +42,20 @@ _TYPES: dict[str, type] = {"pilot": np.int64} | dict.fromkeys(_FLAGS, np.bool_) 
 
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
-    """Write `steps` as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done."""
-    table: dict[str, NDArray[Any]] = {
-        column: np.array([getattr(step, field) for step in steps], dtype=_TYPES.get(field, np.float64))
-        for field, column in COLUMNS.items()
-    }
+    """Write `steps` as a Parquet file; NaN and None become NULL. Raises OSError if that cannot be done."""
+    table = {column: _column([getattr(step, field) for step in steps], field) for field, column in COLUMNS.items()}
     with duckdb.connect() as database:
         database.register("steps", table)
         with as_os_errors():
             database.table("steps").write_parquet(str(path))
+
+
+def _column(values: list[Any], field: str) -> NDArray[Any]:
+    kind = _TYPES.get(field, np.float64)
+    if kind is np.float64 or None not in values:
+        return np.array(values, dtype=kind)
+    filled = [kind() if value is None else value for value in values]
+    return np.ma.masked_array(np.array(filled, dtype=kind), mask=[value is None for value in values])
 
 
 FLEET = "fleet.json"
@@ -129,8 +134,10 @@ def read_fleet(folder: Path) -> FleetKeys:
     return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
-FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
-"""The files of a run."""
+FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS, SAID = (
+    "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
+)  # fmt: skip
+"""The files of a run; the last one only of a driver of the user's that tells its reasons."""
 
 PAGE = "report.html"
 """The page that `report` writes beside them."""
@@ -154,6 +161,9 @@ class _Record:
         lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (folder / DECISIONS).write_text("".join(lines), encoding="utf-8")
         _write_json(folder / REGIONS, {region.id: region.polygon.round(3).tolist() for region in self._regions_named()})
+        if reasons := reasons_in(self._steps):
+            told = (json.dumps({"time_s": round(time, 3), "reason": reason}) + "\n" for time, reason in reasons)
+            (folder / SAID).write_text("".join(told), encoding="utf-8")
         _write_json(folder / SUMMARY, summary_of(result), indent=2)
 
     def _regions_named(self) -> Iterator[ConflictRegion]:
@@ -161,6 +171,13 @@ class _Record:
         named |= {decision.region for step in self._steps for decision in step.decisions}
         known = (region for world in self._worlds for region in world.regions.values())
         return (region for region in known if region.id in named)
+
+
+def reasons_in(steps: Sequence[StepRecord]) -> list[tuple[float, str]]:
+    """Return from when on (s) a driver of the user's gave which reason, without those before its first."""
+    befores = (None, *(step.reason for step in steps))
+    changes = [step for before, step in zip(befores, steps, strict=False) if step.reason != before]
+    return [(step.time, step.reason) for step in changes] if any(step.reason for step in changes) else []
 
 
 class Recorder:

@@ -23,6 +23,7 @@ class TrialResult:
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
     120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
     figures apart under `timing`. `faults` are in order of time. `recounts`: what was put right in SUMO's own outputs.
+    `failure`: the traceback of a driver of the user's that has failed (empty: none has).
     """
 
     scenario: str
@@ -46,6 +47,7 @@ class TrialResult:
     ghosts: int = 0
     stopped_s: float = 0.0
     recounts: tuple[Recount, ...] = ()
+    failure: str = ""
 
     @property
     def duration_s(self) -> float:

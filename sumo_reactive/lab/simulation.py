@@ -24,9 +24,11 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.drivers.choice import SUMO
+from sumo_reactive.lab.drivers.loading import maker_of
+from sumo_reactive.lab.drivers.users_trip import UsersTrip
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.recorder import COLUMNS, Recorder
+from sumo_reactive.lab.recorder import COLUMNS, Recorder, reasons_in
 from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
@@ -36,7 +38,7 @@ from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.ego import give_back
 from sumo_reactive.sumo.launch import OptionOverride, chosen_step_length, passed_end, runnable_config, sumo_arguments
-from sumo_reactive.sumo.net_reader import NetFile, read_net
+from sumo_reactive.sumo.net_reader import NetFile, WorldSource, read_net
 from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, sumo_version
@@ -75,7 +77,7 @@ def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[St
         yield Started(session, config, (*changed, *left_out), session.time)
 
 
-AnyTrip = Trip | WatchedTrip
+AnyTrip = Trip | UsersTrip | WatchedTrip
 """Whoever drives: each simulation step is preceded by a `command` and followed by a `scene`."""
 
 
@@ -92,7 +94,7 @@ class Simulation:
     """Drivers in a running simulation: one that is admitted, or all that a `rule` chooses as they depart.
 
     `take_over` begins a trip. What the trips have come to is in `results`; `refused` are vehicles that could not be taken
-    over, and why, `cut_short` the egos whose trip the run's end has ended.
+    over, and why, `cut_short` the egos whose trip the run's end has ended, `placed` those that SUMO has not moved itself.
     """
 
     def __init__(
@@ -107,7 +109,7 @@ class Simulation:
         self._has_left, self._doing = False, ""
         self.results: list[TrialResult] = []
         self.refused: list[tuple[str, str]] = []
-        self.cut_short: set[str] = set()
+        self.cut_short, self.placed = set[str](), set[str]()
         self.ended = start.session.time
         self.ego_steps, self.busy_s = 0, 0.0
 
@@ -203,6 +205,7 @@ class Simulation:
     def _keep(self, member: _Member, ended: str) -> None:
         """Judge a trip that has ended for the reason told."""
         trip, jury, scenario, start = member.trip, member.jury, self._scenario, self._start
+        self.placed |= {trip.id} if trip.is_placed else set()
         overrides = (*start.overrides, *passed_end(start.config, trip.end, scenario.sumo_options))
         self.results.append(TrialResult(
             scenario=str(scenario.source), ego=trip.id, chosen=member.chosen, seed=scenario.seed,
@@ -210,26 +213,37 @@ class Simulation:
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
             distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
             faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
+            failure=trip.failure,
         ))  # fmt: skip
 
 
 def run_trial(
     scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
 ) -> TrialResult:
-    """Run the scenario in this process until the ego has arrived; return the judged result.
+    """Run the scenario in this process until the ego has arrived, with the driver that it names; return the judged result.
 
     `observer` gets every scene, `progress` simulation time (s) and a text. Raises ScenarioError or NetworkError for what
     cannot be run, SimulationError if SUMO fails on the way.
     """
-    net = read_net(read_config(scenario.config).net_file)
+    if scenario.driver == SUMO:
+        return run_sumo_driver(scenario, observer=observer, progress=progress)
+    net, taken_over = read_net(read_config(scenario.config).net_file), taking_over(scenario)
     with started(scenario) as start:
         simulation = Simulation(
-            start, scenario, lambda ego: Trip(start.session, ego, net, scenario, Sensor(scenario.obstacle_polygons)),
+            start, scenario, lambda ego: taken_over(start.session, ego, net, Sensor(scenario.obstacle_polygons)),
             observer, progress,
         )  # fmt: skip
         simulation.run_one()
         files = trip_files()
-    return _recounted(files, simulation.results)[0]
+    return _recounted(files, simulation)[0]
+
+
+def taking_over(scenario: Scenario) -> Callable[[Session, str, WorldSource, Sensor], Trip | UsersTrip]:
+    """Return what begins the trip of an ego with the driver that a scenario names; raise ScenarioError if there is none."""
+    if not scenario.driver.is_users:
+        return lambda session, ego, net, sensor: Trip(session, ego, net, scenario, sensor)
+    make = maker_of(scenario.driver)
+    return lambda session, ego, net, _: UsersTrip(session, ego, net, scenario, make)
 
 
 def run_sumo_driver(
@@ -263,20 +277,19 @@ def run_fleet(
     `run_trial` raises; a vehicle that is not named and cannot be taken over is no error, nobody at all is one unless there
     `may_be_nobody`.
     """
-    began = clock.perf_counter()
+    began, taken_over = clock.perf_counter(), taking_over(scenario)
     with started(scenario) as start:
         worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
         simulation = Simulation(
-            start, scenario, lambda ego: Trip(start.session, ego, worlds, scenario, sensor),
-            observer, progress, rule,
+            start, scenario, lambda ego: taken_over(start.session, ego, worlds, sensor), observer, progress, rule,
         )  # fmt: skip
         simulation.run()
         files = trip_files()
         if not may_be_nobody:
             _require_egos(simulation, rule, scenario)
-    ordered = _recounted(files, sorted(simulation.results, key=lambda one: one.departure_s))
+    simulation.results.sort(key=lambda one: one.departure_s)
     return FleetResult(
-        results=tuple(ordered),
+        results=tuple(_recounted(files, simulation)),
         refused=tuple(simulation.refused),
         on_their_way=frozenset(simulation.cut_short),
         until=simulation.ended,
@@ -339,10 +352,14 @@ def world_kept() -> Iterator[None]:
         gc.unfreeze()
 
 
-def _recounted(files: TripFiles, results: Sequence[TrialResult]) -> list[TrialResult]:
-    """Put the egos' figures right in the outputs of a simulation that has ended; return the results with what that was."""
-    egos = {one.ego: Driven(one.duration_s, one.distance_m, one.stopped_s) for one in results}
-    found = put_right(files, egos)
+def _recounted(files: TripFiles, simulation: Simulation) -> list[TrialResult]:
+    """Put the egos' figures right in the outputs of a simulation that has ended; return the results with what that was.
+
+    What SUMO has moved itself to the end, it has counted right.
+    """
+    results, placed = simulation.results, simulation.placed
+    egos = {one.ego: Driven(one.duration_s, one.distance_m, one.stopped_s) for one in results if one.ego in placed}
+    found = put_right(files, egos) if egos else ()
     return [replace(one, recounts=tuple(it for it in found if it.vehicle in ("", one.ego))) for one in results]
 
 
@@ -370,9 +387,9 @@ def run_observed(task: Task) -> dict[str, Any]:
     def see(scene: Scene) -> None:
         steps.append(scene.step)
 
-    run = run_sumo_driver if task.scenario.driver == SUMO else run_trial
-    result = run(task.scenario, observer=see)
-    return {"result": result, "entries": tuple(entries(steps)), "trajectory": digest_of(steps)}
+    result = run_trial(task.scenario, observer=see)
+    told = {"entries": tuple(entries(steps)), "reasons": tuple(reasons_in(steps))}
+    return {"result": result, "trajectory": digest_of(steps), **told}
 
 
 def run_recorded(order: tuple[Task, Path]) -> None:

@@ -34,7 +34,7 @@ class WatchedTrip:
     """
 
     distance = time_loss = stopped = 0.0
-    ghosts_made = 0
+    ghosts_made, is_placed, failure = 0, False, ""
 
     def __init__(self, session: Session, vehicle_id: str, net_file: Path, stuck_s: float) -> None:
         self._session, self._vehicle = session, ObservedVehicle(vehicle_id, JUDGED_REACH_M)

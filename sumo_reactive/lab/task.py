@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from dataclasses import dataclass
 from enum import Enum
 
-from sumo_reactive.lab.drivers.choice import SUMO
+from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
 from sumo_reactive.lab.result import NetworkResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.trace import Entry
@@ -34,7 +35,8 @@ class Ending(Enum):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a task. `reason` is empty when it is done; `entries` are the decisions of the reactive driver.
+    """What became of a task. `reason` is empty when it is done; `entries` are the decisions of the reactive driver,
+    `reasons` what a driver of the user's gave from when on (s).
 
     `trajectory` is a digest of every step but for its wall-clock time: equal trajectories, equal digests. `wall_s` counts
     the trial alone. Where a share of all cars were egos, `network` stands in place of a `result`.
@@ -45,6 +47,7 @@ class Outcome:
     result: TrialResult | None = None
     reason: str = ""
     entries: tuple[Entry, ...] = ()
+    reasons: tuple[tuple[float, str], ...] = ()
     trajectory: str = ""
     wall_s: float = 0.0
     network: NetworkResult | None = None
@@ -56,17 +59,24 @@ class Outcome:
 
 
 def replay_command(task: Task) -> str:
-    """Return the command line that repeats a task; for SUMO's own driver, the comparison that contains it."""
+    """Return the command line that repeats a task."""
     scenario = task.scenario
-    command = "compare" if scenario.driver == SUMO else "run"
     share = [] if task.share is None else ["--ego-probability", f"{task.share:g}"]
-    words = ["sumo-reactive", command, str(scenario.source), *share, *_options(scenario, command == "run")]
+    words = ["sumo-reactive", "run", str(scenario.source), *share, *_options(scenario)]
     if scenario.sumo_options:
         words += ["--", *scenario.sumo_options]
     return shlex.join(words)
 
 
-def _options(scenario: Scenario, is_run: bool) -> list[str]:
+def driver_words(driver: DriverChoice) -> list[str]:
+    """Return the options of the command line that name a driver; none for this project's."""
+    if driver == REACTIVE:
+        return []
+    told = [f"{name}={json.dumps(value)}" for name, value in driver.options]
+    return ["--driver", driver.name, *(word for one in told for word in ("--driver-option", one))]
+
+
+def _options(scenario: Scenario) -> list[str]:
     words = ["--ego", scenario.ego] if scenario.ego is not None else []
     words += ["--seed", str(scenario.seed)]
     if scenario.step_length_s is not None:
@@ -75,4 +85,6 @@ def _options(scenario: Scenario, is_run: bool) -> list[str]:
         words += ["--until", f"{scenario.until_s:g}"]
     for name, value in scenario.parameters.varied.items():
         words += ["--parameter", f"{name}={value!r}"]
-    return [*words, "--profile", scenario.profile.value, "--delays", scenario.delays.value] if is_run else words
+    if scenario.driver != REACTIVE:
+        return [*words, *driver_words(scenario.driver)]
+    return [*words, "--profile", scenario.profile.value, "--delays", scenario.delays.value]

@@ -61,6 +61,8 @@ class Trip:
     `sensor`. `stuck` says why the ego stands for ever.
     """
 
+    is_placed, failure = True, ""
+
     @interrupts_kept()
     def __init__(self, session: Session, ego_id: str, net: WorldSource, scenario: Scenario, sensor: Sensor) -> None:
         self._ego = ego = Ego(ego_id, scenario.parameters)

@@ -8,7 +8,7 @@ from html import escape
 from plotly.graph_objects import Box, Figure, Scatter
 
 from sumo_reactive.show.batch_trials import StoredTrial, TripPair
-from sumo_reactive.show.page import DRIVER_COLOURS, DRIVER_NAMES, FRAME, PALETTE, SOFT, title_of
+from sumo_reactive.show.page import FRAME, PALETTE, SOFT, driver_colour, driver_name, title_of
 
 _SCATTER_PX, _BOX_PX, _AROUND_PX = 520, 34, 160
 """Height of a scatter, of a box, and of what is around all boxes of a figure, pixels."""
@@ -39,8 +39,8 @@ def distribution_figure(trials: Sequence[StoredTrial], metric: str, names: Mappi
         found = [trial for trial in having if trial.driver == driver]
         box = Box(
             x=[one.metrics[metric] for one in found], y=[group(one) for one in found], orientation="h", boxpoints="all",
-            jitter=0.5, pointpos=0.0, marker={"size": 5, "opacity": 0.75}, line={"width": 1.5}, name=DRIVER_NAMES[driver],
-            marker_color=DRIVER_COLOURS[driver], text=[escape(one.name) for one in found], offsetgroup=driver,
+            jitter=0.5, pointpos=0.0, marker={"size": 5, "opacity": 0.75}, line={"width": 1.5}, name=driver_name(driver),
+            marker_color=driver_colour(driver, drivers), text=[escape(one.name) for one in found], offsetgroup=driver,
             hoveron="points", hovertemplate="%{text}<br>%{x:.4~g}<extra></extra>",
         )  # fmt: skip
         figure.add_trace(box)
@@ -59,8 +59,8 @@ def scatter_figure(pairs: Sequence[TripPair], metric: str, names: Mapping[str, s
     limits = [low - room, high + room]
     dashed = {"color": SOFT, "dash": "dash", "width": 1.5}
     figure = Figure(Scatter(x=limits, y=limits, mode="lines", line=dashed, name="the same", hoverinfo="skip"))
-    for k, scenario in enumerate(dict.fromkeys(pair.reactive.scenario for pair in pairs)):
-        inside = [(pair.reactive, found) for pair, found in values if pair.reactive.scenario == scenario]
+    for k, scenario in enumerate(dict.fromkeys(pair.driven.scenario for pair in pairs)):
+        inside = [(pair.driven, found) for pair, found in values if pair.driven.scenario == scenario]
         if inside:
             points = Scatter(
                 x=[first for _, (first, _) in inside], y=[second for _, (_, second) in inside], mode="markers",

@@ -65,7 +65,7 @@ def _means(results: Results, metrics: Sequence[str], names: _Names) -> Iterator[
     groups = results.groups(metrics)
     if groups:
         rows = [
-            (names[group.scenario], frame.DRIVER_NAMES[group.driver], group.varied, f"{group.done} of {group.finished}",
+            (names[group.scenario], frame.driver_name(group.driver), group.varied, f"{group.done} of {group.finished}",
              *map(_mean_told, group.means))
             for group in groups
         ]  # fmt: skip
@@ -100,10 +100,10 @@ def pairs_by_group(pairs: Sequence[TripPair]) -> dict[tuple[str, str], list[Trip
     """Return the pairs by scenario (empty: all of them, where there are several) and what is varied."""
     groups: dict[tuple[str, str], list[TripPair]] = {}
     for pair in pairs:
-        groups.setdefault((pair.reactive.scenario, pair.reactive.varied), []).append(pair)
+        groups.setdefault((pair.driven.scenario, pair.part), []).append(pair)
     if len({scenario for scenario, _ in groups}) > 1:
         for varied in dict.fromkeys(varied for _, varied in groups):
-            groups["", varied] = [pair for pair in pairs if pair.reactive.varied == varied]
+            groups["", varied] = [pair for pair in pairs if pair.part == varied]
     return groups
 
 
@@ -127,7 +127,7 @@ def _counts(trials: Sequence[StoredTrial], metrics: Sequence[str], names: _Names
     """Return in how many trials of each group a count had which value."""
     groups: dict[tuple[str, ...], dict[str, Counter[float]]] = {}
     for trial in trials:
-        group = names[trial.scenario], frame.DRIVER_NAMES[trial.driver], trial.varied
+        group = names[trial.scenario], frame.driver_name(trial.driver), trial.varied
         counted = groups.setdefault(group, {name: Counter() for name in metrics})
         for name in set(metrics) & set(trial.metrics):
             counted[name][trial.metrics[name]] += 1
@@ -153,7 +153,7 @@ def _worst(worst: Sequence[Worst], names: _Names) -> Iterator[Html]:
     if worst:
         rows = [
             (frame.link(f"#{_anchor(trial)}", names[trial.scenario]), trial.ego or "own ego", str(trial.seed),
-             frame.DRIVER_NAMES[trial.driver], trial.varied, why, frame.code(trial.replay))
+             frame.driver_name(trial.driver), trial.varied, why, frame.code(trial.replay))
             for trial, why in worst
         ]  # fmt: skip
         head = ("scenario", "ego", "seed", "driver", "varied", "what is wrong", "command that replays it")
@@ -164,7 +164,7 @@ def _story(worst: Worst, results: Results) -> Iterator[Html]:
     """Yield what happened in a trial: every decision and every fault."""
     trial = worst.trial
     entries, faults = happenings(results, trial.key)
-    named = ", ".join(filter(None, (trial.name, frame.DRIVER_NAMES[trial.driver], trial.varied)))
+    named = ", ".join(filter(None, (trial.name, frame.driver_name(trial.driver), trial.varied)))
     yield Html(f'<h3 id="{_anchor(trial)}">{escape(named)}</h3>')
     yield frame.paragraph_of(worst.why, ": ", frame.code(trial.replay), " (", frame.link("#worst", "back"), ")")
     if entries or faults:

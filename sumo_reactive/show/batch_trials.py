@@ -49,14 +49,20 @@ class StoredTrial(NamedTuple):
 
 
 class TripPair(NamedTuple):
-    """The same trip with the same seed under SUMO's own driver and under this one."""
+    """The same trip with the same seed under SUMO's own driver and under another."""
 
     sumo: StoredTrial
-    reactive: StoredTrial
+    driven: StoredTrial
+
+    @property
+    def part(self) -> str:
+        """What pairs that belong together share: the driver, unless it is this project's, and what is varied."""
+        name = self.driven.driver
+        return " ".join(filter(None, ("" if name == REACTIVE_NAME else name, self.driven.varied)))
 
     def of(self, metric: str) -> tuple[float, float] | None:
         """Return both values where they can be compared: what depends on the trip only where both have arrived."""
-        first, second = self.sumo.metrics.get(metric), self.reactive.metrics.get(metric)
+        first, second = self.sumo.metrics.get(metric), self.driven.metrics.get(metric)
         arrived = all(one.metrics.get("arrived") == 1 for one in self)
         if first is None or second is None or not (arrived or metric in WHATEVER_THE_END):
             return None
@@ -87,11 +93,11 @@ def _trial(results: Results, row: Mapping[str, Any]) -> StoredTrial:
 
 
 def pairs_of(trials: Sequence[StoredTrial]) -> list[TripPair]:
-    """Return each trial of this driver with the baseline of its trip, where there is one and both came to a result."""
+    """Return each trial of another driver than SUMO's with the baseline of its trip, where both came to a result."""
     done = [trial for trial in trials if trial.ending == _DONE]
     baselines = {_trip(trial): trial for trial in done if trial.driver == SUMO_NAME}
-    ours = [trial for trial in done if trial.driver == REACTIVE_NAME and _trip(trial) in baselines]
-    return [TripPair(baselines[_trip(trial)], trial) for trial in ours]
+    driven = [trial for trial in done if trial.driver != SUMO_NAME and _trip(trial) in baselines]
+    return [TripPair(baselines[_trip(trial)], trial) for trial in driven]
 
 
 def _trip(trial: StoredTrial) -> tuple[str, str, int, str]:
@@ -100,7 +106,7 @@ def _trip(trial: StoredTrial) -> tuple[str, str, int, str]:
 
 def worst_of(trials: Sequence[StoredTrial], pairs: Sequence[TripPair]) -> list[Worst]:
     """Return the worst trials, the worst first; of SUMO's own driver only where it came to no result."""
-    durations = {pair.reactive.key: found for pair in pairs if (found := pair.of("duration_s"))}
+    durations = {pair.driven.key: found for pair in pairs if (found := pair.of("duration_s"))}
     slower = {key: ours / theirs for key, (theirs, ours) in durations.items() if theirs > 0.0}
 
     def badness(trial: StoredTrial) -> tuple[float, ...]:
@@ -108,7 +114,7 @@ def worst_of(trials: Sequence[StoredTrial], pairs: Sequence[TripPair]) -> list[W
         arrived = trial.metrics.get("arrived", 1.0)
         return trial.ending != _DONE, 1.0 - arrived, *faults, slower.get(trial.key, 0.0)
 
-    looked_at = [trial for trial in trials if trial.ending != _DONE or trial.driver == REACTIVE_NAME]
+    looked_at = [trial for trial in trials if trial.ending != _DONE or trial.driver != SUMO_NAME]
     ranked = sorted(looked_at, key=badness, reverse=True)
     told = [Worst(trial, _why(trial, slower.get(trial.key, 1.0))) for trial in ranked]
     return [one for one in told if one.why][:_MOST_WORST]

@@ -23,12 +23,17 @@ def story(recording: Recording) -> Iterator[str]:
     yield header(recording)
     for before, entry in zip((None, *recording.entries), recording.entries, strict=False):
         yield f"{entry.time:.1f} s  {paragraph(entry, before)}"
-    yield footer(recording.summary["figures"])
+    yield from (f"{time:.1f} s  {_said(reason)}" for time, reason in recording.reasons)
+    if not recording.reasons:
+        yield footer(recording.summary["figures"])
 
 
 def moment(recording: Recording, time: float) -> Iterator[str]:
     """Yield everything that was in force at `time` (s); raise ScenarioError for a time outside the run."""
     ego = state_at(recording, time)
+    if said := [reason for since, reason in recording.reasons if since <= time + CLOSE_S]:
+        yield from (header(recording), _state_text(ego), _said(said[-1]))
+        return
     found = [i for i, entry in enumerate(recording.entries) if entry.time <= time + CLOSE_S]
     if not found:
         raise ScenarioError(f"{recording.folder}: nothing was decided up to {time:g} s")
@@ -39,6 +44,11 @@ def moment(recording: Recording, time: float) -> Iterator[str]:
     yield from _in_full(recording.entries[index], before)
     for label, near in (("before", recording.entries[:index][-1:]), ("next", recording.entries[index + 1 :][:1])):
         yield from (f"{label:<11} {entry.time:.1f} s  {in_short(entry)}" for entry in near)
+
+
+def _said(reason: str) -> str:
+    """Return what a driver of the user's gave as its reason."""
+    return f"The driver: {reason}." if reason else "The driver gives no reason."
 
 
 _TOLD = 3
@@ -210,6 +220,8 @@ def _arrival(decision: Decision) -> float:
 
 
 def _state_text(ego: Mapping[str, Any]) -> str:
+    if ego["desired_speed_m_s"] is None:  # a driver that tells no more
+        return f"{ego['time_s']:.1f} s: the ego drives at {ego['speed_m_s']:.1f} m/s."
     leader, gap = ego["leader"], ego["gap_m"]
     behind = f"behind {leader} at {gap:.1f} m" if leader and gap is not None else "no leader"
     speeds = f"drives at {ego['speed_m_s']:.1f} m/s, wants {ego['desired_speed_m_s']:.1f} m/s"

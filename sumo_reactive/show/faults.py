@@ -51,18 +51,26 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
         for fault in faults[:_MOST_FAULTS]:
             yield f"{fault_told(fault, entries)}:"
             yield from _trace(entries, fault.time)
+            yield from reasons_before(verdict.outcome.reasons, fault.time)
         if len(faults) > _MOST_FAULTS:
             yield f"… and {len(faults) - _MOST_FAULTS} more"
         waits = longest_waits(entries, result.end_s) if result.arrived and not faults else []
         if waits:
             yield "what it waited for longest:"
             yield from (_line(entries, k) for k in waits)
-        elif not faults:
+        elif not faults and entries:
             yield "the last decisions:"
             yield from _trace(entries, math.inf)
+        yield from result.failure.splitlines()
     yield f"replay: {verdict.case.replay}"
     if verdict.record is not None:
         yield f"record: {verdict.record}, page: {verdict.record / PAGE}"
+
+
+def reasons_before(reasons: Sequence[tuple[float, str]], time: float) -> Iterator[str]:
+    """Yield what a driver of the user's gave last as its reasons before a time (s), a line each."""
+    before = [(since, reason) for since, reason in reasons if since <= time + CLOSE_S and reason]
+    yield from (f"  {since:.1f} s  the driver: {reason}" for since, reason in before[-_ENTRIES_BEFORE:])
 
 
 def faults_in(summary: Mapping[str, Any]) -> list[Fault]:

@@ -11,6 +11,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Behaviour
+from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME
 from sumo_reactive.lab.metric_names import EVERY
 
 if TYPE_CHECKING:
@@ -41,8 +42,19 @@ PALETTE = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8
 FAULT, STOP, SOFT = "#d32f2f", "#d55e00", "#808a94"
 ROAD, JUNCTION, EDGE = "rgba(128,138,148,0.45)", "rgba(128,138,148,0.28)", "rgba(128,138,148,0.6)"
 
-DRIVER_COLOURS = {"reactive": "#0072b2", "sumo": "#e69f00"}
-DRIVER_NAMES = {"reactive": "this\u00a0driver", "sumo": "SUMO's\u00a0own"}
+_DRIVER_NAMES = {REACTIVE_NAME: "this\u00a0driver", SUMO_NAME: "SUMO's\u00a0own"}
+
+
+def driver_name(driver: str) -> str:
+    """Return what a driver is called on a page; a user's by its own name."""
+    return _DRIVER_NAMES.get(driver, driver)
+
+
+def driver_colour(driver: str, drivers: Sequence[str]) -> str:
+    """Return the colour of a driver among others; the two that are built in have theirs everywhere."""
+    ordered = [*_DRIVER_NAMES, *(one for one in drivers if one not in _DRIVER_NAMES)]
+    return PALETTE[ordered.index(driver) % len(PALETTE)]
+
 
 FRAME: dict[str, Any] = {
     "template": "none",

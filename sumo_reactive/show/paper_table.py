@@ -72,7 +72,7 @@ def _stored_pairs(results: Results, metrics: Sequence[str]) -> dict[str, dict[st
     names = metrics or tuple(dict.fromkeys((*EGO_METRICS, *results.metrics(()))))
     found: dict[str, dict[str, list[tuple[float, float]]]] = {}
     for pair in pairs_of(trials_in(results)):
-        by_metric = found.setdefault(pair.reactive.varied, {name: [] for name in names})
+        by_metric = found.setdefault(pair.part, {name: [] for name in names})
         for name in names:
             by_metric[name].extend([] if (values := pair.of(name)) is None else [values])
     return found

@@ -13,9 +13,9 @@ from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationE
 
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.files import is_there
-from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SUMMARY, TRAJECTORY
-from sumo_reactive.lab.schema import Keys, Number, read_json
+from sumo_reactive.files import is_there, text_of
+from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SAID, SUMMARY, TRAJECTORY
+from sumo_reactive.lab.schema import MOST_RECORD_BYTES, Keys, Number, checked, read_json
 from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry, read_entries
 
@@ -33,9 +33,10 @@ _Corner = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _Regions = dict[str, Annotated[list[_Corner], Field(min_length=1)]]
 _Numbers, _Gaps, _Texts = list[Number], list[Number | None], list[str]
 _COLUMNS: dict[str, Any] = {
-    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "s_m", "desired_speed_m_s", "u", "u1", "u2", "u3"), _Numbers),
-    **dict.fromkeys(("stop_m", "gap_m"), _Gaps),
-    **dict.fromkeys(("lane_id", "leader"), _Texts),
+    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "s_m", "u", "u1", "u2", "u3"), _Numbers),
+    **dict.fromkeys(("desired_speed_m_s", "stop_m", "gap_m"), _Gaps),
+    "lane_id": _Texts,
+    "leader": list[str | None],
     "behaviour": list[Annotated[str, AfterValidator(lambda name: Behaviour(name).value)]],
     "emergency": list[bool],
 }
@@ -52,6 +53,11 @@ class _FaultKeys(Keys):
 
 class _ViolationKeys(_FaultKeys):
     kind: str
+
+
+class _ReasonKeys(Keys):
+    time_s: Number
+    reason: str
 
 
 class _SummaryKeys(Keys):
@@ -74,12 +80,16 @@ class _SummaryKeys(Keys):
 
 @dataclass(frozen=True)
 class Recording:
-    """The record in `folder`: its summary as plain data, the pilot's entries in order of time, outlines of regions, m."""
+    """The record in `folder`: its summary as plain data, the pilot's entries in order of time, outlines of regions, m.
+
+    `reasons`: from when on (s) a driver of the user's gave which reason.
+    """
 
     folder: Path
     summary: Mapping[str, Any]
     entries: tuple[Entry, ...]
     regions: Mapping[str, Sequence[Sequence[float]]] = field(default_factory=dict)
+    reasons: tuple[tuple[float, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -117,7 +127,14 @@ def load(folder: Path) -> Recording:
     entries = tuple(sorted(read_entries(folder / DECISIONS), key=lambda entry: entry.time))
     has_regions = is_there(folder / REGIONS)
     regions = read_json(folder / REGIONS, _Regions, "the regions of a run") if has_regions else {}
-    return Recording(folder, summary, entries, regions)
+    reasons = _read_reasons(folder / SAID) if is_there(folder / SAID) else ()
+    return Recording(folder, summary, entries, regions, reasons)
+
+
+def _read_reasons(path: Path) -> tuple[tuple[float, str], ...]:
+    lines = text_of(path, most=MOST_RECORD_BYTES).splitlines()
+    keys = (checked(line, _ReasonKeys, f"{path}:{k}", "a driver's reason") for k, line in enumerate(lines, start=1))
+    return tuple(sorted((one.time_s, one.reason) for one in keys))
 
 
 def state_at(recording: Recording, time: float) -> dict[str, Any]:

@@ -66,6 +66,10 @@ class ObservedVehicle:
         own = users.pop(self.id)
         return VehicleScene(own, (*users.values(), *self._persons(own)), self._stop_lines.crossed(own.lane_id))
 
+    def leave(self) -> None:
+        """Look no more, before the vehicle is taken off the road from outside."""
+        _unsubscribe(self.id, self._reach)
+
     def _route(self, name: str, seen: Mapping[int, Any]) -> tuple[str, ...]:
         """Return the edges that a vehicle has still to drive, its present one first; inside a junction the next one."""
         edge = edge_id_of(seen[tc.VAR_LANE_ID])
@@ -116,12 +120,17 @@ class Bystanders:
         return self._junctions.get(edge, frozenset())
 
     def leave(self) -> None:
-        """Look no more: SUMO fails in the next step if a vehicle that is watched is taken off the road from outside."""
-        libsumo.vehicle.unsubscribeContext(self._vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, TOUCHING_M)
+        """Look no more, before the vehicle is taken off the road from outside."""
+        _unsubscribe(self._vehicle_id, TOUCHING_M)
 
 
 def _subscribe(vehicle_id: str, reach: float) -> None:
     libsumo.vehicle.subscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach, list(_SEEN))
+
+
+def _unsubscribe(vehicle_id: str, reach: float) -> None:
+    """End a subscription: SUMO fails in the next step if a vehicle that is watched is taken off the road from outside."""
+    libsumo.vehicle.unsubscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach)
 
 
 def _seen_from(vehicle_id: str) -> dict[str, Mapping[int, Any]]:

@@ -127,15 +127,15 @@ def test_an_output_for_several_runs_and_an_ego_that_nobody_knows_are_refused():
 def small() -> Comparison:
     """Two seeds of a short scenario under both drivers."""
     scenario = load_scenario(FOUR_WAY)
-    return compare([replace(scenario, seed=seed) for seed in (1, 2)], horizon_s=90.0, jobs=2, wall_limit_s=300.0)
+    return compare([replace(scenario, seed=seed) for seed in (1, 2)], horizon_s=90.0, jobs=2, wall_limit_s=300.0)[0]
 
 
 def test_the_runs_of_a_comparison_are_the_trials_of_the_scenario(small):
     assert not small.failed
     for pair_ in small.pairs:
-        assert pair_.sumo.result is not None and pair_.reactive.result is not None
+        assert pair_.sumo.result is not None and pair_.driven.result is not None
         assert pair_.sumo.result.metrics == run_sumo_driver(pair_.scenario).metrics
-        assert pair_.reactive.result.metrics == run_trial(pair_.scenario).metrics
+        assert pair_.driven.result.metrics == run_trial(pair_.scenario).metrics
 
 
 def test_both_runs_play_the_same_traffic_to_the_same_time(small):

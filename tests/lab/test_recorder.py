@@ -99,7 +99,7 @@ def test_a_record_has_four_files_and_nothing_beside_them(tmp_path):
 
 
 def test_the_trajectory_has_a_row_a_step_and_a_column_a_field(tmp_path):
-    assert set(COLUMNS) == set(StepRecord._fields) - {"decisions", "events", "assessment", "regions"}
+    assert set(COLUMNS) == set(StepRecord._fields) - {"decisions", "events", "assessment", "regions", "reason"}
     recorded(tmp_path / "it's")
     table = duckdb.read_parquet(str(tmp_path / "it's" / "trajectory.parquet"))
     assert table.columns == list(COLUMNS.values())

@@ -31,7 +31,7 @@ def text(store):
 
 def test_a_trip_is_paired_with_its_baseline_of_the_same_seed(trials):
     pairs = pairs_of(trials)
-    assert [(pair.reactive.scenario, pair.reactive.seed) for pair in pairs] == [
+    assert [(pair.driven.scenario, pair.driven.seed) for pair in pairs] == [
         (scenario, seed) for scenario in ("town.toml", "land.toml") for seed in (1, 2, 3)
     ]
     assert pairs[0].of("duration_s") == (41.0, 32.0)
@@ -40,9 +40,9 @@ def test_a_trip_is_paired_with_its_baseline_of_the_same_seed(trials):
 
 def test_what_depends_on_the_trip_is_compared_only_where_both_have_arrived(trials):
     pair = pairs_of(trials)[0]
-    stuck = pair.reactive._replace(metrics={**pair.reactive.metrics, "arrived": 0.0})
-    assert pair._replace(reactive=stuck).of("duration_s") is None
-    assert pair._replace(reactive=stuck).of("arrived") == (1.0, 0.0)
+    stuck = pair.driven._replace(metrics={**pair.driven.metrics, "arrived": 0.0})
+    assert pair._replace(driven=stuck).of("duration_s") is None
+    assert pair._replace(driven=stuck).of("arrived") == (1.0, 0.0)
 
 
 def test_pairs_are_grouped_by_scenario_and_all_together(trials):
@@ -97,8 +97,8 @@ def test_the_worst_come_first_and_say_why(trials):
 
 def test_slower_than_the_baseline_is_bad_enough_to_be_told(trials):
     pair = pairs_of(trials)[0]
-    slow = pair.reactive._replace(metrics={**pair.reactive.metrics, "duration_s": 61.5})
-    (found,) = worst_of([slow], [pair._replace(reactive=slow)])
+    slow = pair.driven._replace(metrics={**pair.driven.metrics, "duration_s": 61.5})
+    (found,) = worst_of([slow], [pair._replace(driven=slow)])
     assert found.why == "took 1.50 times as long as SUMO's own driver"
 
 

@@ -118,7 +118,7 @@ def test_regions_of_other_shapes_are_refused(record, outline):
     ("column", "value"),
     [
         ("time_s", "'soon'"), ("time_s", "NULL"), ("x_m", "'nan'::DOUBLE"), ("speed_m_s", "1e300"), ("lane_id", "5"),
-        ("behaviour", "'flying'"), ("emergency", "'maybe'"), ("leader", "NULL"), ("gap_m", "[1.0]"), ("u", "'inf'::DOUBLE"),
+        ("behaviour", "'flying'"), ("emergency", "'maybe'"), ("lane_id", "NULL"), ("gap_m", "[1.0]"), ("u", "'inf'::DOUBLE"),
         ("time_s", "DATE '2020-01-01'"),
     ],
 )  # fmt: skip

@@ -9,7 +9,7 @@ from helpers.browser import BROWSER, NO_BROWSER, coloured, of_colour, opened, pr
 from helpers.stores import made_store
 
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.show.page import BEHAVIOUR_COLOURS, DRIVER_COLOURS, Html, Section, page
+from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html, Section, driver_colour, page
 from sumo_reactive.writing import write_whole
 
 pytestmark = pytest.mark.skipif(BROWSER is None, reason=NO_BROWSER)
@@ -96,7 +96,7 @@ def test_the_page_of_a_batch_has_its_figures_each_of_its_width(batch_opened):
 
 def test_distributions_show_both_drivers(batch_opened):
     picture = batch_opened.plots["plot-of-duration_s"]
-    assert all(of_colour(picture, colour) > SOME for colour in DRIVER_COLOURS.values())
+    assert all(of_colour(picture, colour) > SOME for colour in (driver_colour(one, ()) for one in ("reactive", "sumo")))
 
 
 @pytest.mark.parametrize(("name", "some"), [("run_page", "whole trip"), ("batch_page", "Zoom in")])

@@ -10,11 +10,13 @@ from helpers.stores import made_store, outcome, trial
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.store import Store
-from sumo_reactive.lab.comparison.record import CSV_COLUMNS, CSV_FILE
+from sumo_reactive.lab.comparison.record import CSV_FILE
 from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.show.paper_table import TITLES, Format, table_of
 
 DURATIONS = ("duration_s", "rms_jerk_m_s3")
+
+COLUMNS = "scenario", "ego", "seed", "metric", "sumo", "reactive", "compared"
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +26,7 @@ def store(tmp_path_factory):
 
 def compared(folder, *lines):
     """Write a comparison's pairs; return its folder."""
-    rows = "\n".join(",".join(map(str, line)) for line in (CSV_COLUMNS, *lines))
+    rows = "\n".join(",".join(map(str, line)) for line in (COLUMNS, *lines))
     (folder / CSV_FILE).write_text(f"{rows}\n", encoding="utf-8")
     return folder
 

@@ -27,7 +27,7 @@ class StepRecord(NamedTuple):
     where SUMO maps the ego (empty: nowhere). `light`: letter that applied to the stop line crossed in this step (empty: none
     crossed). `pilot`: how often `events` activated the pilot in this step; `decisions`, `assessment` and `regions` are those
     of its last activation. `hazard`: what milder braking would not have stopped clear of when `emergency`: a leader's id or
-    one of the names above (empty: no command was admissible).
+    one of the names above (empty: no command was admissible). `reason`: what a driver of the user's says of why.
     """
 
     time: float
@@ -61,6 +61,7 @@ class StepRecord(NamedTuple):
     assessment: Assessment = NOT_ASSESSED
     regions: tuple[RegionState, ...] = ()
     hazard: str | None = None
+    reason: str = ""
 
 
 class Scene(NamedTuple):

@@ -18,6 +18,7 @@ import sumo_reactive
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import Choice, Experiment, Word
 from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
+from sumo_reactive.lab.drivers.loading import digest_of_driver
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.simulation import started, versions
 from sumo_reactive.lab.task import SHARE, Task, replay_command
@@ -87,6 +88,7 @@ def key_of(task: Task) -> str:
         "obstacle_polygons": scenario.obstacle_polygons,
         "sumo_options": scenario.sumo_options,
         "driver": str(scenario.driver),
+        "driver_sources": digest_of_driver(scenario.driver),
         SHARE: task.share,
         "parameters": scenario.parameters.varied,
         "versions": release(),

@@ -1,4 +1,4 @@
-"""The same trips with the same seeds under SUMO's own driver and under this project's: paired differences."""
+"""The same trips with the same seeds under SUMO's own driver and under another: paired differences."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sumo_reactive.lab.metric_names import OTHERS
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.task import Ending, Outcome, Task
+from sumo_reactive.lab.task import Ending, Outcome, Task, replay_command
 from sumo_reactive.lab.trial_process import scratch
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical, option_words, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, sumo_arguments
@@ -64,25 +64,25 @@ class Pair:
 
     scenario: Scenario
     sumo: Side
-    reactive: Side
+    driven: Side
 
     @property
     def is_driven(self) -> bool:
         """Whether both runs got to their end."""
-        return self.sumo.effects is not None and self.reactive.effects is not None
+        return self.sumo.effects is not None and self.driven.effects is not None
 
     @property
     def ego(self) -> str:
         """The ego's id, as chosen where nobody named one."""
-        found = self.sumo.result or self.reactive.result
+        found = self.sumo.result or self.driven.result
         return found.ego if found else self.scenario.ego or ""
 
     @cached_property
     def metrics(self) -> dict[str, tuple[MetricValue, MetricValue]]:
         """Every metric of the comparison by name: SUMO's own driver's, this project's; None where there is none."""
-        theirs, ours = self.sumo.figures, self.reactive.figures
-        if self.sumo.effects and self.reactive.effects:
-            their_means, our_means = means_over_both(self.sumo.effects, self.reactive.effects)
+        theirs, ours = self.sumo.figures, self.driven.figures
+        if self.sumo.effects and self.driven.effects:
+            their_means, our_means = means_over_both(self.sumo.effects, self.driven.effects)
             theirs, ours = {**theirs, **their_means}, {**ours, **our_means}
         return {name: (theirs.get(name), ours.get(name)) for name in (*EGO_METRICS, *OTHERS_METRICS)}
 
@@ -108,19 +108,18 @@ class Pair:
 
     @property
     def replay(self) -> str:
-        """The command that drives the trip again under this project's driver."""
-        asked, options = self.scenario, ["--", *self.scenario.sumo_options] if self.scenario.sumo_options else []
-        step = [] if asked.step_length_s is None else ["--step-length", f"{asked.step_length_s:g}"]
-        words = ["sumo-reactive", "run", str(asked.source), "--ego", self.ego, "--seed", str(asked.seed), *step]
-        return shlex.join([*words, *options])
+        """The command that drives the trip again under the driver that is compared."""
+        return replay_command(Task(replace(self.scenario, ego=self.ego)))
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """All pairs, with the window after each ego's departure (s) in which the others were looked at."""
+    """All pairs of SUMO's own driver and `driver`, with the window after each ego's departure (s) in which the others were
+    looked at."""
 
     pairs: tuple[Pair, ...]
     horizon_s: float
+    driver: DriverChoice = REACTIVE
 
     @cached_property
     def differences(self) -> dict[str, PairedDifference]:
@@ -149,26 +148,33 @@ def compare(
     horizon_s: float,
     jobs: int,
     wall_limit_s: float,
+    drivers: Sequence[DriverChoice] = (REACTIVE,),
     progress: Callable[[Outcome], None] | None = None,
-) -> Comparison:
-    """Let both drivers drive each scenario in processes of their own, `jobs` at a time.
+) -> list[Comparison]:
+    """Let SUMO's own driver and each of `drivers` drive each scenario in processes of their own, `jobs` at a time; return a
+    comparison for each.
 
-    Both runs go on until `horizon_s` after the ego's departure, or the scenario's end if that is earlier. Raises
+    All runs go on until `horizon_s` after the ego's departure, or the scenario's end if that is earlier. Raises
     ScenarioError for what cannot be run at all.
     """
     with scratch() as folder:
         runs = [
-            (driver, scenario, Outputs(folder, f"{k}_{driver.name}_"))
+            (driver, scenario, Outputs(folder, f"{k}_{number}_"))
             for k, scenario in enumerate(scenarios)
-            for driver in (SUMO, REACTIVE)
+            for number, driver in enumerate((SUMO, *drivers))
         ]
         tasks = [_task(scenario, driver, outputs, horizon_s) for driver, scenario, outputs in runs]
         outcomes = run_all(tasks, jobs, wall_limit_s, progress, folder)
         sides = [_side(outcome, run[2]) for outcome, run in zip(outcomes, runs, strict=True)]
     if all(side.outcome.ending is Ending.FAILED for side in sides):
         raise ScenarioError(sides[0].outcome.reason)
-    pairs = zip(scenarios, sides[::2], sides[1::2], strict=True)
-    return Comparison(tuple(Pair(scenario, sumo, reactive) for scenario, sumo, reactive in pairs), horizon_s)
+    many = 1 + len(drivers)
+    found = []
+    for number, driver in enumerate(drivers, start=1):
+        asked = (replace(scenario, driver=driver) for scenario in scenarios)
+        pairs = zip(asked, sides[::many], sides[number::many], strict=True)
+        found.append(Comparison(tuple(Pair(*pair) for pair in pairs), horizon_s, driver))
+    return found
 
 
 def _task(scenario: Scenario, driver: DriverChoice, outputs: Outputs, horizon_s: float) -> Task:

@@ -12,15 +12,14 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import text_of
 from sumo_reactive.lab.comparison.comparison import Comparison, MetricValue, Pair, Side
 from sumo_reactive.lab.comparison.statistics import CONFIDENCE, FEW, RESAMPLES, ConfidenceInterval, PairedDifference
+from sumo_reactive.lab.drivers.choice import DriverChoice
 from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
-HEAD = ("", "n", "SUMO's own", "this driver", "difference", f"{100 * CONFIDENCE:g} % interval")
-"""Titles of the columns of `comparison_rows`."""
-
-CSV_COLUMNS = ("scenario", "ego", "seed", "metric", "sumo", "reactive", "compared")
+CSV_COLUMNS = ("scenario", "ego", "seed", "metric", "sumo", "compared")
+"""Columns of `comparison.csv` beside that of the driver that is compared, which has its name."""
 
 MOST_CSV_BYTES = 2**26
 """More is no comparison that anybody has driven: 64 MB hold 20,000 pairs."""
@@ -30,6 +29,16 @@ MOST_FIGURE = 1e12
 
 NO_INTERVAL = "none: n = 1"
 MAX_DIGITS = 6
+
+
+def head_of(comparison: Comparison) -> tuple[str, ...]:
+    """Return the titles of the columns of `comparison_rows`."""
+    return "", "n", "SUMO's own", called(comparison.driver), "difference", f"{100 * CONFIDENCE:g} % interval"
+
+
+def called(driver: DriverChoice) -> str:
+    """Return what a driver is called where people read."""
+    return driver.short if driver.is_users else "this driver"
 
 
 def comparison_rows(comparison: Comparison) -> list[tuple[str, ...]]:
@@ -68,7 +77,8 @@ def notes_of(comparison: Comparison) -> list[str]:
     notes = []
     if methods:
         how = f"bootstrap ({', '.join(sorted(methods))}, {RESAMPLES} resamples) over the pairs"
-        notes.append(f"Means over n pairs, this driver − SUMO's own; intervals of the mean difference: {how}.")
+        whose = f"{called(comparison.driver)} − SUMO's own"
+        notes.append(f"Means over n pairs, {whose}; intervals of the mean difference: {how}.")
         if any(found.n < FEW for found in comparison.differences.values()):
             notes.append(f"Fewer than {FEW} pairs: such intervals tend to be too narrow.")
     elif comparison.differences:
@@ -78,9 +88,9 @@ def notes_of(comparison: Comparison) -> list[str]:
 
 def _told(pair: Pair) -> list[str]:
     name = f"{pair.ego} seed {pair.scenario.seed}"
-    sides = (("SUMO's own driver", pair.sumo), ("this driver", pair.reactive))
+    sides = (("SUMO's own driver", pair.sumo), (called(pair.scenario.driver), pair.driven))
     faulty = [f"{name}, {who}: {side.verdict}" for who, side in sides if not _is_clean(side)]
-    return [*faulty, f"  {pair.replay}"] if not _is_clean(pair.reactive) else faulty
+    return [*faulty, f"  {pair.replay}"] if not _is_clean(pair.driven) else faulty
 
 
 def _is_clean(side: Side) -> bool:
@@ -94,18 +104,19 @@ def data_of(comparison: Comparison) -> dict[str, object]:
         "resamples": RESAMPLES,
         "horizon_s": comparison.horizon_s,
         "pairs_driven": len(comparison.pairs) - len(comparison.failed),
-        "metrics": {name: _difference(found) for name, found in comparison.differences.items()},
-        "pairs": [_pair(pair) for pair in comparison.pairs],
-        "versions": next((dict(p.reactive.result.versions) for p in comparison.pairs if p.reactive.result), {}),
+        "drivers": ["sumo", str(comparison.driver)],
+        "metrics": {name: _difference(found, str(comparison.driver)) for name, found in comparison.differences.items()},
+        "pairs": [_pair(pair, str(comparison.driver)) for pair in comparison.pairs],
+        "versions": next((dict(p.driven.result.versions) for p in comparison.pairs if p.driven.result), {}),
     }
 
 
-def _difference(found: PairedDifference) -> dict[str, object]:
+def _difference(found: PairedDifference, name: str) -> dict[str, object]:
     interval = found.interval
     return {
         "n": found.n,
         "sumo": found.first,
-        "reactive": found.second,
+        name: found.second,
         "difference": found.difference,
         "low": interval.low if interval else None,
         "high": interval.high if interval else None,
@@ -113,15 +124,15 @@ def _difference(found: PairedDifference) -> dict[str, object]:
     }
 
 
-def _pair(pair: Pair) -> dict[str, object]:
+def _pair(pair: Pair, name: str) -> dict[str, object]:
     asked = pair.scenario
     return {
         "scenario": str(asked.source),
         "ego": pair.ego,
         "seed": asked.seed,
         "sumo": _side(pair.sumo) | {"command": pair.plain_sumo},
-        "reactive": _side(pair.reactive) | {"command": pair.replay},
-        "metrics": {name: {"sumo": one, "reactive": other} for name, (one, other) in pair.metrics.items()},
+        name: _side(pair.driven) | {"command": pair.replay},
+        "metrics": {metric: {"sumo": one, name: other} for metric, (one, other) in pair.metrics.items()},
     }
 
 
@@ -137,7 +148,7 @@ def csv_of(comparison: Comparison) -> str:
     """Return `comparison.csv`: a line for each metric of each pair, empty cells for what there is not."""
     text = StringIO()
     lines = csv.writer(text, lineterminator="\n")
-    lines.writerow(CSV_COLUMNS)
+    lines.writerow((*CSV_COLUMNS[:-1], str(comparison.driver), CSV_COLUMNS[-1]))
     for pair in comparison.pairs:
         for name, (one, other) in pair.metrics.items():
             is_compared = int(pair.of(name) is not None)
@@ -150,18 +161,21 @@ def _cell(value: MetricValue) -> MetricValue | str:
 
 
 def recorded_pairs(folder: Path) -> dict[str, list[tuple[float, float]]]:
-    """Return for each metric of a comparison's folder the values of each pair, SUMO's own driver's and this one's, where
+    """Return for each metric of a comparison's folder the values of each pair, SUMO's own driver's and the other's, where
     they can be compared. Raises ScenarioError for what is no such folder."""
     path = folder / CSV_FILE
     lines = csv.DictReader(text_of(path, most=MOST_CSV_BYTES).splitlines())
     if not set(CSV_COLUMNS) <= set(lines.fieldnames or ()):
         raise ScenarioError(f"{path}: not the pairs of a comparison: its first line lacks some of {', '.join(CSV_COLUMNS)}")
+    others = [name for name in lines.fieldnames or () if name not in CSV_COLUMNS]
+    if len(others) != 1:
+        raise ScenarioError(f"{path}: not the pairs of a comparison: {len(others)} columns of drivers beside SUMO's own")
     found: dict[str, list[tuple[float, float]]] = {}
     for line in lines:
         if line["compared"] != "1":
             continue
         try:
-            one, other = float(line["sumo"]), float(line["reactive"])
+            one, other = float(line["sumo"]), float(line[others[0]])
         except (TypeError, ValueError):
             one = other = math.nan
         if line["metric"] not in EVERY or not abs(one) + abs(other) < MOST_FIGURE:

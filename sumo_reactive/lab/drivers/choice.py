@@ -36,6 +36,11 @@ class DriverChoice:
         """Whether somebody else than this project and SUMO has written it."""
         return self.name not in (REACTIVE_NAME, SUMO_NAME)
 
+    @property
+    def short(self) -> str:
+        """The name for the head of a column: the class, or the program."""
+        return Path(self.name.removeprefix(PROGRAM).split()[-1].rpartition(":")[2] or self.name).name
+
     def __str__(self) -> str:
         """Return name and options as people read them, which also tells two choices apart."""
         told = ", ".join(f"{name}={value}" for name, value in self.options)

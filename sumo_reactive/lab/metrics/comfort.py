@@ -30,13 +30,13 @@ class Comfort:
         self._standing = self._off_road = self._emergency_time = 0.0
         self._emergencies = 0
         self._before = math.nan
-        self._in_emergency = self._is_ours = False
+        self._in_emergency = self._is_ours = self._is_placed = False
         self._headings: deque[tuple[float, float]] = deque()
 
     def see(self, moment: Moment) -> None:
         """Add one step."""
         step = moment.step
-        self._is_ours = step.emergency is not None
+        self._is_ours, self._is_placed = step.emergency is not None, step.steering_angle is not None
         steering_angle = self._apparent_angle(step) if step.steering_angle is None else step.steering_angle
         self._lateral = max(self._lateral, step.speed * step.speed * abs(math.sin(steering_angle)) / self._wheelbase)
         self._emergencies += bool(step.emergency) and not self._in_emergency
@@ -70,7 +70,7 @@ class Comfort:
     def figures(self) -> Figures:
         """Return the figures; lateral acceleration is v² sin φ / L, at the front axle's speed v.
 
-        Where SUMO drives, nobody judges time on no lane and emergencies: None.
+        Where SUMO moves the vehicle, nobody judges time on no lane, and where no pilot tells of them, emergencies: None.
         """
         jerk = math.sqrt(self._squared_jerk / self._jerk_time) if self._jerk_time else 0.0
         return {
@@ -79,7 +79,7 @@ class Comfort:
             "max_lateral_acceleration_m_s2": round(self._lateral, 3),
             "rms_jerk_m_s3": round(jerk, 3),
             "standstill_s": round(self._standing, 3),
-            "off_road_s": round(self._off_road, 3) if self._is_ours else None,
+            "off_road_s": round(self._off_road, 3) if self._is_placed else None,
             "emergencies": self._emergencies if self._is_ours else None,
             "emergency_s": round(self._emergency_time, 3) if self._is_ours else None,
         }
