@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.field.valley_map import MAP_MARGIN_M, MAP_SIDE_M, NO_MAP, ValleyMap, valley_map
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
+from sumo_reactive.driver.nouns.event import Event
+from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
@@ -18,7 +22,7 @@ from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.path.time_constraints import retimed
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import view_of
+from sumo_reactive.driver.pilot.passages import View, view_of
 from sumo_reactive.driver.pilot.pilot import Style, decide, notice
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.pilot.schedule import Delays
@@ -67,6 +71,35 @@ class Step(NamedTuple):
     runs: int = 0
 
 
+Pilot = Callable[[View, Outlook, tuple[Event, ...], PilotMemory, Style], tuple[CompletedPlan, PilotMemory]]
+"""Completes the plan because of events, as `decide` does."""
+
+Rule = Callable[[Snapshot, VehicleLimits], Iterable[TimeConstraint]]
+"""Limits the ego in a step by what it sees then."""
+
+
+class Executor(Protocol):
+    """Chooses the command for the next `period` s, as `execute` does."""
+
+    def __call__(
+        self, snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float,
+        *, nine_commands: bool = False, valley: ValleyMap = NO_MAP,
+    ) -> Execution: ...  # fmt: skip
+
+
+class Parts(NamedTuple):
+    """What a controller is made of, each of which may be another's: the pilot, the executor, and `rules` beside the pilot's
+    own, which are asked in every step."""
+
+    pilot: Pilot = decide
+    executor: Executor = execute
+    rules: tuple[Rule, ...] = ()
+
+
+PARTS = Parts()
+"""The paper's."""
+
+
 @dataclass(frozen=True)
 class Controller:
     """The paper's motion controller for one car in one world (F&L 1991, figure 1)."""
@@ -75,6 +108,7 @@ class Controller:
     limits: VehicleLimits
     profile: Profile = Profile.DEFAULT
     delays: Delays = Delays.REPLAN
+    parts: Parts = PARTS
 
     def step(self, traffic: Traffic, drive: Drive, duration: float) -> Step:
         """Drive for `duration` s: one control step, or as many as a coarse duration needs.
@@ -114,13 +148,19 @@ class Controller:
         valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
         held = max(period, self.limits.parameters.paper_control_period_s) if nine else period
-        execution = execute(snapshot, completed, self.limits, held, nine_commands=nine, valley=valley)
+        limited = self._limited(snapshot, completed)
+        execution = self.parts.executor(snapshot, limited, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
         s, d = self._place(execution.state, drive.plan, snapshot.s, completed)
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after, runs)
+
+    def _limited(self, snapshot: Snapshot, completed: CompletedPlan) -> CompletedPlan:
+        """Return P⁺ with what the rules beside the pilot's ask for in this step."""
+        found = tuple(one for rule in self.parts.rules for one in rule(snapshot, self.limits))
+        return replace(completed, constraints=(*completed.constraints, *found)) if found else completed
 
     def _with_foes(self, snapshot: Snapshot, traffic: Traffic, plan: NominalPlan) -> Snapshot:
         """Return a snapshot that knows who can reach which region; a pilot whose decision rests on none does not ask."""
@@ -150,7 +190,7 @@ class Controller:
         foreseen = outlook(traffic, snapshot, plan, self.graph, self.limits)
         style = Style(self.profile is Profile.PAPER, self.delays)
         view = view_of(snapshot, plan, self.limits, ahead)
-        completed, memory = decide(view, foreseen, events, memory, style)
+        completed, memory = self.parts.pilot(view, foreseen, events, memory, style)
         if completed.request.what is Replanning.TIMES:
             stops = still_to_serve(plan, memory, snapshot.time)
             times = retimed(plan, snapshot.s, snapshot.ego.speed, snapshot.time, self.limits, stops)

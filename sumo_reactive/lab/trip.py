@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from sumo_reactive.driver.compilation import interrupts_kept, is_cached, mark_cached
-from sumo_reactive.driver.controller import Controller, Step
+from sumo_reactive.driver.controller import PARTS, Controller, Parts, Step
 from sumo_reactive.driver.driving import Driving, segment_at, set_out
 from sumo_reactive.driver.kernels import load_kernels
 from sumo_reactive.driver.nouns.decision import Reason
@@ -64,7 +64,9 @@ class Trip:
     is_placed, failure = True, ""
 
     @interrupts_kept()
-    def __init__(self, session: Session, ego_id: str, net: WorldSource, scenario: Scenario, sensor: Sensor) -> None:
+    def __init__(
+        self, session: Session, ego_id: str, net: WorldSource, scenario: Scenario, sensor: Sensor, parts: Parts = PARTS
+    ) -> None:
         self._ego = ego = Ego(ego_id, scenario.parameters)
         self._session, self._net = session, net
         self.id, self.limits, self.profile = ego_id, ego.limits, scenario.profile.value
@@ -75,7 +77,7 @@ class Trip:
         graph = net.build(ego.route.edges)
         self._routes = 1
         choose_lanes(graph, ego.route, ego.limits.vehicle_class)  # or an error, before the ego is taken over
-        controller = Controller(graph, ego.limits, scenario.profile, scenario.delays)
+        controller = Controller(graph, ego.limits, scenario.profile, scenario.delays, parts)
         self._observer = EgoObserver(ego_id, sensor, ego.limits)
         self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)

@@ -12,12 +12,26 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from sumo_reactive.driver.controller import PARTS, Parts
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.drivers.choice import ENTRY_POINTS, PROGRAM, DriverChoice
 from sumo_reactive.lab.drivers.program import ProgramDriver, words_of_program
 from sumo_reactive.lab.drivers.protocol import Driver
 
 _METHODS = ("start", "step", "end")
+
+
+def parts_of(choice: DriverChoice) -> Parts:
+    """Return the parts of this project's controller that a choice asks for: the usual ones, or those that it names."""
+    if not choice.is_users or choice.name.startswith(PROGRAM):
+        return PARTS
+    found = _found(choice)
+    return found if isinstance(found, Parts) else PARTS
+
+
+def is_of_parts(choice: DriverChoice) -> bool:
+    """Whether a choice is this project's controller, of whatever parts."""
+    return not choice.is_users or parts_of(choice) is not PARTS
 
 
 def maker_of(choice: DriverChoice) -> Callable[[], Driver]:
@@ -36,26 +50,30 @@ def maker_of(choice: DriverChoice) -> Callable[[], Driver]:
 
 def require_driver(choice: DriverChoice) -> None:
     """Raise ScenarioError unless a driver can be made."""
-    if choice.is_users:
+    if not is_of_parts(choice):
         maker_of(choice)
 
 
 def class_of(choice: DriverChoice) -> Callable[..., Driver]:
     """Return the class that a choice names; raise ScenarioError for what is no driver."""
-    installed = {entry.name: entry for entry in entry_points(group=ENTRY_POINTS)}
-    try:
-        if choice.name in installed:
-            found = installed[choice.name].load()
-        else:
-            module, _, name = choice.name.partition(":")
-            found = getattr(_imported(module, choice.folder), name)
-    except Exception as error:  # the user's module may raise anything while it is imported
-        raise ScenarioError(f"driver '{choice.name}' cannot be loaded: {type(error).__name__}: {error}") from error
+    found = _found(choice)
     missing = [name for name in _METHODS if not callable(getattr(found, name, None))]
     if missing:
         raise ScenarioError(f"driver '{choice.name}' is no driver: it has no {' and no '.join(missing)}")
     driver: Callable[..., Driver] = found
     return driver
+
+
+def _found(choice: DriverChoice) -> Any:
+    """Return what a choice names; raise ScenarioError if that cannot be loaded."""
+    installed = {entry.name: entry for entry in entry_points(group=ENTRY_POINTS)}
+    try:
+        if choice.name in installed:
+            return installed[choice.name].load()
+        module, _, name = choice.name.partition(":")
+        return getattr(_imported(module, choice.folder), name)
+    except Exception as error:  # the user's module may raise anything while it is imported
+        raise ScenarioError(f"driver '{choice.name}' cannot be loaded: {type(error).__name__}: {error}") from error
 
 
 def _imported(module: str, folder: Path) -> Any:
@@ -85,5 +103,6 @@ def _files_of(choice: DriverChoice) -> list[Path]:
     if choice.name.startswith(PROGRAM):
         named = (choice.folder / word for word in words_of_program(choice))
         return [file for file in named if file.is_file()]
-    source = inspect.getsourcefile(class_of(choice))
+    found = _found(choice)
+    source = getattr(sys.modules.get(choice.name.partition(":")[0]), "__file__", None) or inspect.getsourcefile(type(found))
     return [Path(source)] if source else []
