@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -42,9 +43,7 @@ def compare_drivers(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
     ego: Annotated[list[str] | None, typer.Option(help="vehicle to drive, repeatable; else as for 'run'")] = None,
-    seed: Annotated[
-        list[str] | None, typer.Option(metavar="N", help="a number or a range as 1-10, repeatable; else the scenario's")
-    ] = None,
+    seed: Annotated[list[str] | None, typer.Option(metavar="N", help="a number or a range as 1-10, repeatable")] = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     until: Annotated[float | None, typer.Option(help="end both runs at this simulation time, s")] = None,
     parameter: ParameterOption = None,
@@ -61,15 +60,13 @@ def compare_drivers(
 ) -> int:
     """Let SUMO's own driver and another drive the same trips, and tell the differences, for the ego and for the others."""
     from sumo_reactive.lab.comparison.comparison import compare
-    from sumo_reactive.lab.comparison.record import require_usable, write
+    from sumo_reactive.lab.comparison.record import write
 
     scenarios = _scenarios(config, ego or [], [number for text in seed or [] for number in _seeds(text)])
     options = {"step_length_s": step_length, "until_s": until, "sumo_options": tuple(context.obj or ())}
     scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in scenarios]
     drivers = _challengers(scenarios[0], driver or [], driver_option or [])
-    folders = _folders(out, drivers)
-    for folder in folders:
-        require_usable(folder, overwrite)
+    folders = _folders(out, drivers, overwrite)
     note_compiling()
     with _counted((1 + len(drivers)) * len(scenarios), quiet) as progress:
         comparisons = compare(
@@ -78,7 +75,7 @@ def compare_drivers(
         )  # fmt: skip
     _show_all(comparisons, quiet)
     for comparison, folder in zip(comparisons, folders, strict=False):
-        with figures_kept(quiet, lambda: _show_all(comparisons, False)):
+        with figures_kept(quiet, partial(_show_all, comparisons, False)):
             write(comparison, folder)
     return max(comparison.exit_code for comparison in comparisons)
 
@@ -104,14 +101,16 @@ def _challengers(scenario: Scenario, names: Sequence[str], options: Sequence[str
     return found
 
 
-def _folders(out: Path | None, drivers: Sequence[DriverChoice]) -> list[Path]:
-    """Return the folder of each comparison: the one asked for, or one a driver in it where there are several."""
+def _folders(out: Path | None, drivers: Sequence[DriverChoice], overwrite: bool) -> list[Path]:
+    """Return the folder of each comparison, which can be written: the one asked for, or in it one a driver of several."""
+    from sumo_reactive.lab.comparison.record import require_usable
     from sumo_reactive.lab.recorder import EgoFolders
 
-    if out is None or len(drivers) == 1:
-        return [] if out is None else [out]
     names = EgoFolders(())
-    return [out / names.of(str(driver)) for driver in drivers]
+    found = [] if out is None else [out] if len(drivers) == 1 else [out / names.of(str(driver)) for driver in drivers]
+    for folder in found:
+        require_usable(folder, overwrite)
+    return found
 
 
 def _show_all(comparisons: Sequence[Comparison], quiet: bool) -> None:

@@ -20,11 +20,11 @@ def explain(
 ) -> int:
     """Tell in sentences why the ego of a recorded run did what it did."""
     from sumo_reactive.show.explain import about, brief, moment, story
-    from sumo_reactive.show.recording import load
+    from sumo_reactive.show.recording import read_run
 
     if (at is not None) + (user is not None) + in_brief > 1:
         raise typer.BadParameter("--at, --about and --brief: one of them at a time")
-    recording = load(folder)
+    recording = read_run(folder)
     told = story(recording)
     if at is not None:
         told = moment(recording, at)

@@ -74,7 +74,7 @@ class Step(NamedTuple):
 Pilot = Callable[[View, Outlook, tuple[Event, ...], PilotMemory, Style], tuple[CompletedPlan, PilotMemory]]
 """Completes the plan because of events, as `decide` does."""
 
-Rule = Callable[[Snapshot, VehicleLimits], Iterable[TimeConstraint]]
+Limiter = Callable[[Snapshot, VehicleLimits], Iterable[TimeConstraint]]
 """Limits the ego in a step by what it sees then."""
 
 
@@ -93,7 +93,7 @@ class Parts(NamedTuple):
 
     pilot: Pilot = decide
     executor: Executor = execute
-    rules: tuple[Rule, ...] = ()
+    rules: tuple[Limiter, ...] = ()
 
 
 PARTS = Parts()

@@ -156,6 +156,9 @@ Row = tuple[str, str]
 _NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_key, EventKind)}
 """Told otherwise, or too much on a terminal."""
 
+_OF_THIS_DRIVER = "off_road_s", "emergencies", "emergency_s", "pilot_activations", "pilot_free_share"
+"""What other drivers do not have, and is then not told of them."""
+
 
 def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
@@ -177,7 +180,8 @@ def rows_of(result: TrialResult) -> list[Row]:
         (METRICS["arrived"].label, f"yes, at {result.end_s:.1f} s" if result.arrived else f"no ({result.ended})"),
     ]
     figures = {**result.metrics, **result.timing}
-    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
+    lacking = {key for key in _OF_THIS_DRIVER if figures.get(key) is None}
+    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN | lacking)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
     return [*rows, *changed_rows(result)]
 

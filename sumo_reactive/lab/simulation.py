@@ -24,7 +24,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.drivers.choice import SUMO
-from sumo_reactive.lab.drivers.loading import is_of_parts, maker_of, parts_of
+from sumo_reactive.lab.drivers.loading import controller_parts, is_of_parts, maker_of
 from sumo_reactive.lab.drivers.users_trip import UsersTrip
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
@@ -241,7 +241,7 @@ def run_trial(
 def taking_over(scenario: Scenario) -> Callable[[Session, str, WorldSource, Sensor], Trip | UsersTrip]:
     """Return what begins the trip of an ego with the driver that a scenario names; raise ScenarioError if there is none."""
     if is_of_parts(scenario.driver):
-        parts = parts_of(scenario.driver)
+        parts = controller_parts(scenario.driver)
         return lambda session, ego, net, sensor: Trip(session, ego, net, scenario, sensor, parts)
     make = maker_of(scenario.driver)
     return lambda session, ego, net, _: UsersTrip(session, ego, net, scenario, make)

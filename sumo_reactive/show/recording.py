@@ -116,7 +116,7 @@ class Steps:
         return [None if a is None or b is None else round(a - b, _DECIMALS) for a, b in pairs]
 
 
-def load(folder: Path) -> Recording:
+def read_run(folder: Path) -> Recording:
     """Read the record of a run; raise ScenarioError for a folder that holds none, naming file and key."""
     if not folder.is_dir():
         raise ScenarioError(f"{folder}: {'a file, not a folder' if folder.exists() else 'no such folder'}")

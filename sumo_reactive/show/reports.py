@@ -17,7 +17,7 @@ from sumo_reactive.show.batch_page import batch_page
 from sumo_reactive.show.explain import footer
 from sumo_reactive.show.faults import decision_table, fault_sentence, faults_in
 from sumo_reactive.show.page import Html, Section
-from sumo_reactive.show.recording import Recording, Steps, load, read_steps
+from sumo_reactive.show.recording import Recording, Steps, read_run, read_steps
 from sumo_reactive.show.run_map import MAP_NAME, buttons_of, map_figure, roads_of, views_of
 from sumo_reactive.show.run_timeline import BehaviourSpan, spans_of, timeline_figure
 
@@ -42,7 +42,7 @@ def page_of(path: Path, target: Path) -> str:
         raise ScenarioError(f"{path}: no such file or folder")
     if path.is_file():
         return batch_page(path)
-    return fleet_page(path, target) if (path / FLEET).is_file() else run_page(load(path))
+    return fleet_page(path, target) if (path / FLEET).is_file() else run_page(read_run(path))
 
 
 def run_page(recording: Recording) -> str:

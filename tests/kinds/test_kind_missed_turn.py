@@ -8,7 +8,7 @@ from kinds import Net, Witness, car, edge, link, node, situation, standing, stre
 from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.show.explain import story
-from sumo_reactive.show.recording import load
+from sumo_reactive.show.recording import read_run
 
 NODES = node("a", 0, 0) + node("b", 180, 0) + node("d", 280, 0) + node("e", 280, 100) + node("n", 180, 100)
 NODES += node("x", 80, 100)
@@ -31,7 +31,7 @@ def test_a_turn_that_nobody_lets_the_ego_reach_is_made_up_for_by_another_way(tmp
     assert result.verdict == "arrived without a violation"
     assert list(dict.fromkeys(driven)) == ["ab", "bd", "de", "en", "nx"]
     assert witness.touched == {}
-    assert any("the turn to the edge named was missed (bn)" in line for line in story(load(tmp_path / "record")))
+    assert any("the turn to the edge named was missed (bn)" in line for line in story(read_run(tmp_path / "record")))
 
 
 def test_a_turn_is_not_given_up_while_the_wait_is_short(tmp_path):

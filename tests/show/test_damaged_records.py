@@ -15,7 +15,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.schema import Number
 from sumo_reactive.show import recording
 from sumo_reactive.show.explain import moment, story
-from sumo_reactive.show.recording import load
+from sumo_reactive.show.recording import read_run
 from sumo_reactive.show.reports import page_of
 
 YIELD = Decision(
@@ -27,7 +27,7 @@ STEPS = [step(0), step(1, Behaviour.CAUTIOUS, decisions=(YIELD,)), step(2)]
 
 def read_by_all(folder):
     """Read a record in every way there is; return what each made of it."""
-    return [*story(load(folder)), *moment(load(folder), 0.15), page_of(folder, folder / "report.html")]
+    return [*story(read_run(folder)), *moment(read_run(folder), 0.15), page_of(folder, folder / "report.html")]
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.trace import Entry, entry_of, line_of
 from sumo_reactive.show.explain import about, brief, decision_told, footer, in_short, paragraph, story
-from sumo_reactive.show.recording import Recording, load
+from sumo_reactive.show.recording import Recording, read_run
 from sumo_reactive.show.sentences import BEHAVIOURS, EVENTS, INSTRUCTIONS, OUTCOMES, REASONS
 
 
@@ -155,7 +155,7 @@ def test_a_folder_with_another_summary_is_refused(tmp_path, summary):
     (tmp_path / "trajectory.parquet").touch()
     (tmp_path / "summary.json").write_text(summary, encoding="utf-8")
     with pytest.raises(ScenarioError, match="not the summary of a run"):
-        load(tmp_path)
+        read_run(tmp_path)
 
 
 def recorded(folder, *entries):

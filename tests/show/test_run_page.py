@@ -12,7 +12,7 @@ from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.show.faults import faults_in
-from sumo_reactive.show.recording import load, read_steps
+from sumo_reactive.show.recording import read_run, read_steps
 from sumo_reactive.show.reports import run_page
 from sumo_reactive.show.run_map import RoadMap, closed, edges_of, map_figure, outline_of, roads_of, views_of
 from sumo_reactive.show.run_timeline import spans_of, timeline_figure
@@ -33,7 +33,7 @@ STEPS = [
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("record") / "out"
-    return load(made_record(folder, STEPS, {"a|b": [[20.0, 0.0], [24.0, 0.0], [24.0, 4.0]]}, faults=(HIT,)))
+    return read_run(made_record(folder, STEPS, {"a|b": [[20.0, 0.0], [24.0, 0.0], [24.0, 4.0]]}, faults=(HIT,)))
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_the_way_to_a_stop_is_known_only_where_there_is_one(steps):
 def test_faults_come_back_from_the_summary_in_order_of_time(tmp_path):
     faults = (Fault(3.0, COLLISION, "x", "l"), Fault(1.0, "red light", "", "l"), Fault(2.0, HARD_BRAKING, "y", "l"))
     made = made_record(tmp_path / "out", STEPS, faults=faults)
-    assert faults_in(load(made).summary) == sorted(faults, key=lambda fault: fault.time)
+    assert faults_in(read_run(made).summary) == sorted(faults, key=lambda fault: fault.time)
 
 
 def test_the_lines_over_time_are_the_columns_of_the_trajectory(recording, steps):
@@ -121,7 +121,7 @@ def test_the_outline_of_a_lane_is_as_wide_as_the_lane():
 def test_the_roads_are_those_of_the_network_that_the_scenario_names(tmp_path):
     net = ROOT / "networks" / "four_way_priority" / "four_way_priority.net.xml"
     driven = [step(0, lane_id="from_south_0"), step(1, lane_id="to_west_0")]
-    recorded = load(made_record(tmp_path / "out", driven, scenario=str(FOUR_WAY)))
+    recorded = read_run(made_record(tmp_path / "out", driven, scenario=str(FOUR_WAY)))
     roads = roads_of(recorded, read_steps(recorded))
     assert roads.missing == "" and {"from_south_0", "to_west_0", "from_east_0"} <= set(roads.lanes)
     assert read_net(net).end_of("from_south") in roads.junctions
@@ -144,5 +144,5 @@ def test_a_trajectory_that_is_none_is_one_line(tmp_path, content):
     made = made_record(tmp_path / "out", STEPS)
     (made / "trajectory.parquet").write_bytes(content)
     with pytest.raises(ScenarioError, match="not the trajectory of a run") as raised:
-        run_page(load(made))
+        run_page(read_run(made))
     assert "\n" not in str(raised.value)

@@ -21,7 +21,7 @@ from sumo_reactive.lab.drivers.protocol import Driver
 _METHODS = ("start", "step", "end")
 
 
-def parts_of(choice: DriverChoice) -> Parts:
+def controller_parts(choice: DriverChoice) -> Parts:
     """Return the parts of this project's controller that a choice asks for: the usual ones, or those that it names."""
     if not choice.is_users or choice.name.startswith(PROGRAM):
         return PARTS
@@ -31,7 +31,7 @@ def parts_of(choice: DriverChoice) -> Parts:
 
 def is_of_parts(choice: DriverChoice) -> bool:
     """Whether a choice is this project's controller, of whatever parts."""
-    return not choice.is_users or parts_of(choice) is not PARTS
+    return not choice.is_users or controller_parts(choice) is not PARTS
 
 
 def maker_of(choice: DriverChoice) -> Callable[[], Driver]:

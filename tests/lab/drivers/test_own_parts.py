@@ -15,7 +15,7 @@ from sumo_reactive.driver.path.planner import PlanStart
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.lab.drivers.choice import DriverChoice
-from sumo_reactive.lab.drivers.loading import parts_of
+from sumo_reactive.lab.drivers.loading import controller_parts
 from sumo_reactive.sumo.net_reader import read_net
 
 sys.path.insert(0, str(EXAMPLES))
@@ -56,6 +56,6 @@ def test_a_pilot_or_an_executor_of_ones_own_drives_the_trip_with_the_rest_of_thi
 
 
 def test_what_is_named_is_parts_only_if_it_is_some():
-    assert parts_of(DriverChoice("sumo_reactive_examples.own_parts:STANLEY", folder=EXAMPLES)) == own_parts.STANLEY
-    assert parts_of(DriverChoice("sumo_reactive_examples.idm_mobil:IdmMobil", folder=EXAMPLES)) is PARTS
-    assert parts_of(DriverChoice("reactive")) is PARTS
+    assert controller_parts(DriverChoice("sumo_reactive_examples.own_parts:STANLEY", folder=EXAMPLES)) == own_parts.STANLEY
+    assert controller_parts(DriverChoice("sumo_reactive_examples.idm_mobil:IdmMobil", folder=EXAMPLES)) is PARTS
+    assert controller_parts(DriverChoice("reactive")) is PARTS
