@@ -129,7 +129,7 @@ class Simulation:
         """Step until nobody is on the way or can still come; then play the scenario out if it asks for that."""
         with world_kept():
             while self._goes_on():
-                self._step()
+                self.step()
                 if self._progress is not None:
                     self._progress(self._session.time, self._doing)
         self.ended = self._session.time
@@ -145,7 +145,12 @@ class Simulation:
         is_past = self._until is not None and self._session.time >= self._until
         return can_come and not is_past and not self._session.is_over()
 
-    def _step(self) -> None:
+    @property
+    def juries(self) -> dict[str, Jury]:
+        """The judges of the trips under way, by ego."""
+        return {member.trip.id: member.jury for member in self._members}
+
+    def step(self) -> None:
         """Let everybody command, simulate one step, look at what came of it, take over who has departed."""
         began, self._has_left = clock.perf_counter(), False
         for member in self._members:

@@ -22,9 +22,9 @@ from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.hand_over import move_on_lane, surroundings_of
 from sumo_reactive.sumo.net_reader import WorldSource
-from sumo_reactive.sumo.observed_vehicle import ObservedVehicle
+from sumo_reactive.sumo.observed_vehicle import ObservedVehicle, VehicleScene
 from sumo_reactive.sumo.session import Session
-from sumo_reactive.sumo.vehicle_type import pose_of
+from sumo_reactive.sumo.vehicle_type import front_of, pose_of
 
 SEEN_REACH_M = 150.0
 """A driver sees who is nearer."""
@@ -61,6 +61,7 @@ class UsersTrip:
         self._plan: tuple[Waypoint, ...] = ()
         self.is_placed = False
         self._control_us = 0.0
+        self._view: DriverView | None = None
         seen = self._vehicle.look()
         assert seen is not None  # the ego has just been found on a lane
         self._own, self._users = seen.own, seen.others
@@ -71,13 +72,20 @@ class UsersTrip:
             self._driver = make()
             self._driver.start(mission)
 
+    def view(self) -> DriverView:
+        """Return what the driver sees now, looked at once a step."""
+        if self._view is None:
+            around = surroundings_of(self.id)
+            self._view = DriverView(self._session.time, self._state, self._own, self._users, around)
+        return self._view
+
     def command(self) -> None:
         """Ask the driver, and have the ego where it says at the end of the next simulation step."""
         if self._driver is None or self.failure:
             return
         with self._blamed():
-            around, began = surroundings_of(self.id), clock.perf_counter()
-            answer = self._driver.step(DriverView(self._session.time, self._state, self._own, self._users, around))
+            view, began = self.view(), clock.perf_counter()
+            answer = self._driver.step(view)
             took = clock.perf_counter() - began
             self._control_us = 1e6 * took
             if took > STEP_LIMIT_S:
@@ -86,18 +94,19 @@ class UsersTrip:
 
     def scene(self) -> Scene | None:
         """Return what there is to judge after a simulation step; None while SUMO has the vehicle off the road."""
-        seen, self.end = self._vehicle.look(), self._session.time
+        seen, self.end, self._view = self._vehicle.look(), self._session.time, None
         self.arrived = self._vehicle.arrived
         if self.failure:
             self.stuck = f"driver '{self.profile}' failed at {self.end:.1f} s: {self.failure.splitlines()[-1]}"
+        if seen is None and self.is_placed and not self.arrived:
+            seen = VehicleScene(self._off_the_road(), (), "")
         if seen is None:
             return None
-        acceleration = (seen.own.speed - self._state.speed) / self._session.step_length
         self._follow(seen.own)
         self._users = seen.others
         own, angle = seen.own, self._state.steering_angle if self.is_placed else None
         record = StepRecord(
-            self.end, own.x, own.y, own.heading, own.speed, own.lane_id, acceleration, angle,
+            self.end, own.x, own.y, own.heading, own.speed, own.lane_id, self._state.acceleration, angle,
             control_us=self._control_us, reason=str(getattr(self._driver, "reason", "")),
         )  # fmt: skip
         return Scene(record, seen.others, seen.crossed, (), self.id, self._graph)
@@ -122,6 +131,12 @@ class UsersTrip:
     def figures(self) -> dict[str, float | int | None]:
         """What only such a driver tells beside the judges: nothing."""
         return {}
+
+    def _off_the_road(self) -> RoadUser:
+        """Return the ego where it has been put, beside all roads: SUMO does not look for it there."""
+        pose, (x, y) = self._state.pose, front_of(self._state.pose, self.limits)
+        gain = self._state.acceleration
+        return self._own._replace(x=x, y=y, heading=pose.heading, speed=self._state.speed, lane_id="", acceleration=gain)
 
     def _follow(self, own: RoadUser) -> None:
         """Count the way, and take the state over that SUMO has brought about, or check that it is as commanded."""
