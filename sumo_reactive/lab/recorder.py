@@ -22,6 +22,7 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
 from sumo_reactive.lab.schema import Keys, Number, read_json
+from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USERS, SurroundingsRecord
 from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
 from sumo_reactive.writing import require_writable, whole_folder
@@ -134,9 +135,10 @@ def read_fleet(folder: Path) -> FleetKeys:
     return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
-FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS, SAID = (
+SUMMARY, TRAJECTORY, DECISIONS, REGIONS, SAID = (
     "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
 )  # fmt: skip
+FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS, USERS, SURROUNDINGS, SAID
 """The files of a run; the last one only of a driver of the user's that tells its reasons."""
 
 PAGE = "report.html"
@@ -149,9 +151,11 @@ class _Record:
     def __init__(self) -> None:
         self._steps: list[StepRecord] = []
         self._worlds: list[RoadGraph] = []
+        self._surroundings = SurroundingsRecord()
 
     def see(self, scene: Scene) -> None:
         self._steps.append(scene.step)
+        self._surroundings.see(scene)
         if scene.world is not None and scene.world not in self._worlds[-1:]:
             self._worlds.append(scene.world)
 
@@ -161,6 +165,7 @@ class _Record:
         lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (folder / DECISIONS).write_text("".join(lines), encoding="utf-8")
         _write_json(folder / REGIONS, {region.id: region.polygon.round(3).tolist() for region in self._regions_named()})
+        self._surroundings.write_into(folder)
         if reasons := reasons_in(self._steps):
             told = (json.dumps({"time_s": round(time, 3), "reason": reason}) + "\n" for time, reason in reasons)
             (folder / SAID).write_text("".join(told), encoding="utf-8")

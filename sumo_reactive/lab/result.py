@@ -48,6 +48,8 @@ class TrialResult:
     stopped_s: float = 0.0
     recounts: tuple[Recount, ...] = ()
     failure: str = ""
+    ego_length_m: float = 0.0
+    ego_width_m: float = 0.0
 
     @property
     def duration_s(self) -> float:

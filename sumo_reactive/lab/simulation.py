@@ -218,7 +218,7 @@ class Simulation:
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
             distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
             faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
-            failure=trip.failure,
+            failure=trip.failure, ego_length_m=trip.limits.length, ego_width_m=trip.limits.width,
         ))  # fmt: skip
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 from sumo_reactive.driver.compilation import interrupts_kept, is_cached, mark_cached
-from sumo_reactive.driver.controller import PARTS, Controller, Parts, Step
+from sumo_reactive.driver.controller import PARTS, Controller, Parts, Profile, Step
 from sumo_reactive.driver.driving import Driving, segment_at, set_out
+from sumo_reactive.driver.field.executor import field_over
 from sumo_reactive.driver.kernels import load_kernels
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import LaneSegment
@@ -118,7 +120,11 @@ class Trip:
         front = front_of(step.drive.ego.pose, self.limits)
         record = _record(step, self._session.time, front, lane_id, light, self._control_us)
         crossed = self._stop_lines.crossed(lane_id)
-        return Scene(record, self._traffic.users, crossed, self._bystanders.look(), self.id, world)
+        beside, traffic, curve = self._bystanders.look(), self._traffic, step.drive.plan.curve
+        period = min(self._session.step_length, self.limits.parameters.control_period_s)
+        has_field = step.runs and self.profile == Profile.DEFAULT.value
+        field = partial(field_over, step.snapshot, step.completed, self.limits, period) if has_field else None
+        return Scene(record, traffic.users, crossed, beside, self.id, world, traffic.lights, curve, field)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
@@ -232,7 +238,7 @@ def _record(
         behaviour=completed.behaviour.value, instruction=completed.instruction.value, pilot=step.runs,
         emergency=execution.emergency, hazard=execution.hazard, decisions=completed.decisions,
         events=completed.events, assessment=completed.assessment, regions=completed.regions, light=light,
-        control_us=control_us,
+        control_us=control_us, constraints=completed.hard,
     )  # fmt: skip
 
 

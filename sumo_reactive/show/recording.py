@@ -33,8 +33,10 @@ _Corner = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _Regions = dict[str, Annotated[list[_Corner], Field(min_length=1)]]
 _Numbers, _Gaps, _Texts = list[Number], list[Number | None], list[str]
 _COLUMNS: dict[str, Any] = {
-    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "s_m", "u", "u1", "u2", "u3"), _Numbers),
-    **dict.fromkeys(("desired_speed_m_s", "stop_m", "gap_m"), _Gaps),
+    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "heading_rad", "s_m", "u", "u1", "u2", "u3"), _Numbers),
+    **dict.fromkeys(
+        ("desired_speed_m_s", "stop_m", "gap_m", "command_acceleration_m_s2", "command_steering_rate_rad_s"), _Gaps
+    ),
     "lane_id": _Texts,
     "leader": list[str | None],
     "behaviour": list[Annotated[str, AfterValidator(lambda name: Behaviour(name).value)]],

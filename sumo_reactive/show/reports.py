@@ -18,6 +18,7 @@ from sumo_reactive.show.explain import footer
 from sumo_reactive.show.faults import decision_table, fault_sentence, faults_in
 from sumo_reactive.show.page import Html, Section
 from sumo_reactive.show.recording import Recording, Steps, read_run, read_steps
+from sumo_reactive.show.replay import facts_of, replay_of
 from sumo_reactive.show.run_map import MAP_NAME, buttons_of, map_figure, roads_of, views_of
 from sumo_reactive.show.run_timeline import BehaviourSpan, spans_of, timeline_figure
 
@@ -51,7 +52,9 @@ def run_page(recording: Recording) -> str:
     faults, spans = faults_in(summary), spans_of(steps)
     timeline = timeline_figure(steps, spans, recording.entries, faults)
     told = decision_table(recording.entries, faults)
+    replay = replay_of(recording, steps)
     sections = (
+        Section("replay", "Replay", [frame.paragraph_of(facts_of(summary)), replay] if replay else []),
         Section("figures", "Figures", list(_figures(recording, faults))),
         Section("map", "On the map", list(_map(recording, steps, spans, faults))),
         Section("time", "Over time", [frame.paragraph_of(_READING), frame.figure_html(timeline, "time")]),

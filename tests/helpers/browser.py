@@ -119,6 +119,14 @@ def _with(page: Path, folder: Path, script: str) -> Path:
     return noted
 
 
+def browsed(page: Path, folder: Path, script: str, noted: str) -> tuple[object, list[str]]:
+    """Open a page with a script that notes what it finds in the body's data under a name; return that and the console."""
+    dom, said = _browse(_with(page, folder, script), folder, "--dump-dom")
+    found = re.search(rf'data-{noted}="([^"]*)"', dom)
+    assert found, said
+    return json.loads(html.unescape(found[1])), [line for line in said.splitlines() if "CONSOLE" in line]
+
+
 def opened(page: Path, folder: Path) -> Opened:
     """Open a page in a browser with a new profile; `folder` takes what that needs."""
     noted = _with(page, folder, PLACES)

@@ -21,6 +21,8 @@ from sumo_reactive.lab.result import TrialResult, rows_of
 from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
 from sumo_reactive.sumo.launch import OptionOverride
 
+FILES = ["decisions.jsonl", "regions.json", "summary.json", "surroundings.json", "trajectory.parquet", "users.parquet"]
+
 
 def result(**others):
     values = {
@@ -88,18 +90,19 @@ def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):
     assert outlines == {"decided": square, "claimed": square}
 
 
-def test_a_record_has_four_files_and_nothing_beside_them(tmp_path):
+def test_a_record_has_its_files_and_nothing_beside_them(tmp_path):
     recorded(tmp_path / "deep" / "out")
     assert [path.name for path in (tmp_path / "deep").iterdir()] == ["out"]
     names = sorted(path.name for path in (tmp_path / "deep" / "out").iterdir())
-    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+    assert names == FILES
     summary = json.loads((tmp_path / "deep" / "out" / "summary.json").read_text(encoding="utf-8"))
     assert (summary["exit_code"], summary["duration_s"]) == (0, 30.0)
     assert summary["figures"]["min_time_to_collision_s"] is None
 
 
 def test_the_trajectory_has_a_row_a_step_and_a_column_a_field(tmp_path):
-    assert set(COLUMNS) == set(StepRecord._fields) - {"decisions", "events", "assessment", "regions", "reason"}
+    elsewhere = {"decisions", "events", "assessment", "regions", "reason", "constraints"}
+    assert set(COLUMNS) == set(StepRecord._fields) - elsewhere
     recorded(tmp_path / "it's")
     table = duckdb.read_parquet(str(tmp_path / "it's" / "trajectory.parquet"))
     assert table.columns == list(COLUMNS.values())
@@ -125,7 +128,7 @@ def test_overwriting_leaves_nothing_of_the_run_before(tmp_path):
     (tmp_path / "out" / "report.html").write_text("the run before", encoding="utf-8")
     recorded(tmp_path / "out", overwrite=True)
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+    assert names == FILES
 
 
 def test_an_empty_folder_is_fine_and_a_file_is_not(tmp_path):

@@ -16,7 +16,7 @@ from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.decision import INSTRUCTION_NUMBERS, Instruction
-from sumo_reactive.driver.nouns.record import TOO_NEAR
+from sumo_reactive.driver.nouns.record import TOO_NEAR, CommandField
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.parameters import Parameters
@@ -109,6 +109,31 @@ def execute(
     emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
     hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
     return Execution(command, state, wanted, potentials, emergency, hazard)
+
+
+def field_over(
+    snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float
+) -> CommandField | None:
+    """Return U over the coarsest lattice among which `execute` chooses; None while it follows a move or backs up.
+
+    Each value is that of the kernel which chooses, asked for one command alone.
+    """
+    if completed.move is not None or completed.instruction is Instruction.BACK_UP:
+        return None
+    ego, grid = snapshot.ego, lattice(limits, snapshot.ego.speed, snapshot.ego.acceleration, period)
+    wish = desired_speed(snapshot, completed, limits, period)
+    wanted = without_jerk(wish, ego, period, limits.parameters.comfort_jerk)
+    room = room_to_brake(snapshot, completed, HARD_STOP_MARGIN_M)
+    car = _car(ego, limits, _weights(completed, limits.parameters))
+    bounds = _Bounds(period, room, wanted, min(wanted, ego.speed - limits.planned_deceleration * period))
+    shape = len(grid.accelerations), len(grid.steering_rates)
+    potentials = np.full(shape, np.inf)
+    for i, j in np.ndindex(shape):
+        one = CommandGrid(grid.accelerations[i : i + 1], grid.steering_rates[j : j + 1])
+        _, verdict, found, _ = _choose(snapshot, completed.plan.curve, car, bounds, one, NO_MAP)
+        if verdict != NO_COMMAND:
+            potentials[i, j] = found.total
+    return CommandField(grid.accelerations, grid.steering_rates, potentials)
 
 
 def _choose(

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
+from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Decision, RegionState
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -14,6 +20,10 @@ STOP_PLACE = "the place to stop at"
 BEND = "the bend"
 TOO_NEAR = "somebody near"
 """What an emergency may be for, other than a leader, whose id is named."""
+
+
+NO_LIGHTS: Mapping[str, str] = {}
+"""A driver that sees none, or does not tell."""
 
 
 class StepRecord(NamedTuple):
@@ -28,6 +38,7 @@ class StepRecord(NamedTuple):
     crossed). `pilot`: how often `events` activated the pilot in this step; `decisions`, `assessment` and `regions` are those
     of its last activation. `hazard`: what milder braking would not have stopped clear of when `emergency`: a leader's id or
     one of the names above (empty: no command was admissible). `reason`: what a driver of the user's says of why.
+    `constraints`: the places to stop at, as the pilot holds them.
     """
 
     time: float
@@ -62,6 +73,16 @@ class StepRecord(NamedTuple):
     regions: tuple[RegionState, ...] = ()
     hazard: str | None = None
     reason: str = ""
+    constraints: tuple[TimeConstraint, ...] = ()
+
+
+class CommandField(NamedTuple):
+    """U over a lattice of commands: accelerations (a,) in m/s², steering rates (w,) in rad/s, potentials (a, w), infinite
+    where a command is not admissible."""
+
+    accelerations: NDArray[np.float64]
+    steering_rates: NDArray[np.float64]
+    potentials: NDArray[np.float64]
 
 
 class Scene(NamedTuple):
@@ -69,7 +90,9 @@ class Scene(NamedTuple):
 
     `crossed`: the letters, before the step and in it, of a light whose stop line the ego crosses (empty: none crossed).
     `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not. `world`: the roads
-    around the route on which the step was driven (None: nobody knows them).
+    around the route on which the step was driven (None: nobody knows them). `lights`: the letters that the driver sees, by
+    light. `curve`: C, on which the record's places are (None: there is none). `field` works out U over the commands among
+    which this step's was chosen, where the pilot has decided (None: it has not).
     """
 
     step: StepRecord
@@ -78,3 +101,6 @@ class Scene(NamedTuple):
     beside: tuple[RoadUser, ...] = ()
     ego: str = ""
     world: RoadGraph | None = None
+    lights: Mapping[str, str] = NO_LIGHTS
+    curve: Curve | None = None
+    field: Callable[[], CommandField | None] | None = None

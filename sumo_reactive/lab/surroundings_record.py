@@ -1,0 +1,154 @@
+"""What was around the ego: everybody that it saw, in columns, and the roads, lights, curves and constraints of its trip."""
+
+from __future__ import annotations
+
+import json
+import math
+from array import array
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import duckdb
+import numpy as np
+
+from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.polyline import moved_aside
+from sumo_reactive.driver.nouns.record import CommandField, Scene
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.lab.tables import as_os_errors
+
+SURROUNDINGS_VERSION = 1
+"""Of both files; another release may write another."""
+
+USERS, SURROUNDINGS = "users.parquet", "surroundings.json"
+USER_NUMBERS = ("time_s", "x_m", "y_m", "heading_rad", "speed_m_s", "length_m", "width_m")
+"""Columns of USERS beside `user`: everybody whom the driver looked at in a step, and all within 40 m, the middle of the
+front bumper."""
+
+KEPT_STEP_M = 2.0
+NEAR_THE_WAY_M = 200.0
+"""Lanes nearer to the way driven than this are kept."""
+
+_DECIMALS = 2
+
+
+class SurroundingsRecord:
+    """Keeps what is around an ego from step to step, and writes it."""
+
+    def __init__(self) -> None:
+        self._ids: dict[str, int] = {}
+        self._users, self._numbers = array("l"), array("f")
+        self._times = array("d")
+        self._worlds: list[RoadGraph] = []
+        self._letters: list[tuple[float, dict[str, str]]] = []
+        self._curves: list[tuple[float, Curve]] = []
+        self._constraints: list[tuple[float, list[list[Any]]]] = []
+        self._track: list[tuple[float, float]] = []
+        self._fields: list[list[Any]] = []
+
+    def see(self, scene: Scene) -> None:
+        """Keep one step."""
+        step = scene.step
+        self._track.append((step.x, step.y))
+        seen = {user.id: user for user in (*scene.users, *scene.beside)}
+        for user in seen.values():
+            self._users.append(self._ids.setdefault(user.id, len(self._ids)))
+            self._times.append(step.time)
+            self._numbers.extend((user.x, user.y, user.heading, user.speed, user.body.length, user.body.width))
+        if scene.world is not None and scene.world not in self._worlds[-1:]:
+            self._worlds.append(scene.world)
+        if scene.lights and (not self._letters or self._letters[-1][1] != scene.lights):
+            self._letters.append((step.time, dict(scene.lights)))
+        if scene.curve is not None and (not self._curves or self._curves[-1][1] is not scene.curve):
+            self._curves.append((step.time, scene.curve))
+        self._keep_constraints(scene)
+        if scene.field is not None and (field := scene.field()) is not None:
+            self._fields.append(_field(step.time, field))
+
+    def write_into(self, folder: Path) -> None:
+        """Write both files into a folder. Raises OSError."""
+        numbers = np.array(self._numbers, dtype=np.float32).reshape(-1, len(USER_NUMBERS) - 1)
+        names = np.array(list(self._ids), dtype=object)
+        columns: dict[str, Any] = {"time_s": np.array(self._times).round(3), "user": names[np.array(self._users, dtype=int)]}
+        columns |= {name: numbers[:, k] for k, name in enumerate(USER_NUMBERS[1:])}
+        with duckdb.connect() as database:
+            database.register("users", columns)
+            with as_os_errors():
+                database.table("users").write_parquet(str(folder / USERS), compression="zstd")
+        text = json.dumps(self._told(), allow_nan=False, separators=(",", ":"))
+        (folder / SURROUNDINGS).write_text(text + "\n", encoding="utf-8")
+
+    def _keep_constraints(self, scene: Scene) -> None:
+        if scene.curve is None:
+            return
+        found = [
+            [*_rounded(*scene.curve.at(one.s)), _finite(one.time), one.reason.value, one.cause or one.region]
+            for one in scene.step.constraints
+        ]
+        if not self._constraints or self._constraints[-1][1] != found:
+            self._constraints.append((scene.step.time, found))
+
+    def _told(self) -> dict[str, Any]:
+        """Return SURROUNDINGS as plain data: places in m, headings in rad, times in s."""
+        return {
+            "version": SURROUNDINGS_VERSION,
+            "lanes": {lane.id: _outline(lane) for lane in self._lanes() if not lane.is_internal},
+            "inside": {lane.id: _outline(lane) for lane in self._lanes() if lane.is_internal},
+            "lights": list(self._lights()),
+            "letters": [[round(time, 3), letters] for time, letters in self._letters],
+            "curves": [[round(time, 3), _points(curve)] for time, curve in self._curves],
+            "constraints": [[round(time, 3), found] for time, found in self._constraints],
+            "fields": self._fields,
+        }
+
+    def _lanes(self) -> Iterator[Lane]:
+        """Yield the lanes near the way driven, each once."""
+        track = np.array(self._track[:: max(1, len(self._track) // 200)])
+        lanes = {lane.id: lane for world in self._worlds for lane in world.lanes.values()}
+        for lane in lanes.values() if len(track) else ():
+            points = lane.spine.points
+            apart = np.abs(points[:, None, :] - track[None, :, :]).max(axis=2)
+            if float(apart.min()) < NEAR_THE_WAY_M + 0.5 * lane.spine.length:
+                yield lane
+
+    def _lights(self) -> Iterator[list[Any]]:
+        """Yield for each way over a stop line with a light: light, index of its letter, place and heading of the line, its
+        width."""
+        for world in self._worlds:
+            for connection in world.connections.values():
+                lane = world.lanes.get(connection.from_lane)
+                if connection.light is not None and lane is not None:
+                    x, y = lane.spine.points[-1]
+                    place = _rounded(x, y, lane.spine.heading_at(lane.spine.length))
+                    yield [connection.light.light_id, connection.light.index, *place, lane.width]
+
+
+def _outline(lane: Lane) -> list[list[float]]:
+    """Return the corners of a lane's area, m."""
+    points = np.asarray(lane.spine.points, dtype=float)
+    half = np.full(len(points), 0.5 * lane.width)
+    corners = np.concatenate([moved_aside(points, half), moved_aside(points, -half)[::-1]])
+    return [[float(x), float(y)] for x, y in corners.round(_DECIMALS)]
+
+
+def _points(curve: Curve) -> list[list[float]]:
+    step = max(1, round(KEPT_STEP_M / curve.step))
+    picked = np.column_stack([curve.x[::step], curve.y[::step]])
+    return [[float(x), float(y)] for x, y in picked.round(_DECIMALS)]
+
+
+def _field(time: float, field: CommandField) -> list[Any]:
+    """Return the time (s), accelerations (m/s²), steering rates (rad/s), U of each pair (None: it is not admissible)."""
+    rows = [[_finite(value) for value in row] for row in field.potentials.tolist()]
+    rates = [round(rate, 4) for rate in field.steering_rates.tolist()]
+    return [round(time, 3), _rounded(*field.accelerations.tolist()), rates, rows]
+
+
+def _rounded(*values: float) -> list[float]:
+    return [round(float(value), _DECIMALS) for value in values]
+
+
+def _finite(value: float) -> float | None:
+    return round(value, _DECIMALS) if math.isfinite(value) else None

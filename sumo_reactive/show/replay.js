@@ -1,0 +1,319 @@
+// The replay of a run: a map that plays. Data: `payload_of` in replay.py; places in m, headings in rad, times in s.
+"use strict";
+(async () => {
+  if (document.readyState !== "complete") await new Promise((done) => addEventListener("load", done, { once: true }));
+  const root = document.getElementById("replay-player");
+  const packed = Uint8Array.from(atob(document.getElementById("replay-data").textContent.trim()), (c) => c.charCodeAt(0));
+  const data = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).json();
+  const part = (name) => root.querySelector(`[data-part="${name}"]`);
+  const canvas = part("map"), pen = canvas.getContext("2d"), said = part("said"), about = part("about");
+  const slider = part("time"), clock = part("clock"), play = part("play"), rate = part("rate");
+  const last = data.times.length - 1, begin = data.times[0], end = data.times[last];
+  const toggles = { follow: true, field: true, names: false };
+  let now = begin, playing = false, scale = 6, centre = [data.ego.x[0], data.ego.y[0]], chosen = null, before = 0, dirty = true;
+
+  // Whatever holds from a time on: a list of [time, …] in order; the entry in force, or null.
+  const inForce = (list, time) => {
+    let low = 0, high = list.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (list[middle][0] <= time + 1e-6) low = middle + 1; else high = middle;
+    }
+    return low ? list[low - 1] : null;
+  };
+  const stepAt = (time) => {
+    let low = 0, high = last;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (data.times[middle] <= time + 1e-6) low = middle; else high = middle - 1;
+    }
+    return low;
+  };
+  const between = (a, b, share) => a + share * (b - a);
+  const turned = (a, b, share) => a + share * Math.atan2(Math.sin(b - a), Math.cos(b - a));
+
+  // Who is there at a step: a map from user to [x, y, heading, speed].
+  const seen = new Map();
+  const usersAt = (step) => {
+    if (!seen.has(step)) {
+      if (seen.size > 64) seen.clear();
+      const row = data.users.steps[step], found = new Map();
+      for (let k = 0; k < row.length; k += 5) found.set(row[k], [row[k + 1] / 100, row[k + 2] / 100, row[k + 3] / 1000, row[k + 4] / 100]);
+      seen.set(step, found);
+    }
+    return seen.get(step);
+  };
+  const scene = () => {
+    const step = stepAt(now), next = Math.min(step + 1, last), span = data.times[next] - data.times[step];
+    const share = span > 0 ? Math.min(1, (now - data.times[step]) / span) : 0, ego = data.ego, there = usersAt(next);
+    const mine = [between(ego.x[step], ego.x[next], share), between(ego.y[step], ego.y[next], share),
+      turned(ego.heading[step], ego.heading[next], share), ego.speed[step]];
+    const users = [...usersAt(step)].map(([user, at]) => {
+      const then = there.get(user) || at;
+      return [user, [between(at[0], then[0], share), between(at[1], then[1], share), turned(at[2], then[2], share), at[3]]];
+    });
+    return { step, mine, users };
+  };
+
+  // Drawing: metres, y up.
+  let colours = {};
+  const readColours = () => {
+    const style = getComputedStyle(document.documentElement);
+    for (const name of ["text", "soft", "back", "panel", "road", "mark", "bad", "link", "line"]) colours[name] = style.getPropertyValue(`--${name}`).trim();
+  };
+  const outline = (corners) => {
+    pen.beginPath();
+    for (let k = 0; k < corners.length; k += 2) pen.lineTo(corners[k], corners[k + 1]);
+    pen.closePath();
+  };
+  const body = ([x, y, heading], length, width, fill, edge) => {
+    pen.save();
+    pen.translate(x, y);
+    pen.rotate(heading);
+    pen.fillStyle = fill;
+    pen.beginPath();
+    pen.roundRect(-length, -width / 2, length, width, Math.min(0.5, width / 4));
+    pen.fill();
+    if (edge) { pen.strokeStyle = edge; pen.lineWidth = 2.5 / scale; pen.stroke(); }
+    pen.fillStyle = "rgba(255,255,255,.55)";
+    pen.fillRect(-Math.min(1.6, length / 3), -width * 0.38, Math.min(0.6, length / 8), width * 0.76);
+    pen.restore();
+  };
+  const across = (x, y, heading, reach, colour, width) => {
+    pen.strokeStyle = colour;
+    pen.lineWidth = width;
+    pen.beginPath();
+    pen.moveTo(x - reach * Math.sin(heading), y + reach * Math.cos(heading));
+    pen.lineTo(x + reach * Math.sin(heading), y - reach * Math.cos(heading));
+    pen.stroke();
+  };
+  const label = (x, y, text, colour) => {
+    pen.save();
+    pen.translate(x, y);
+    pen.scale(1 / scale, -1 / scale);
+    pen.font = "12px system-ui, sans-serif";
+    pen.lineWidth = 3;
+    pen.strokeStyle = colours.back;
+    pen.strokeText(text, 8, 4);
+    pen.fillStyle = colour;
+    pen.fillText(text, 8, 4);
+    pen.restore();
+  };
+  const LIGHTS = { r: "#d32f2f", u: "#d32f2f", y: "#e6a700", Y: "#e6a700", g: "#2e9e4f", G: "#2e9e4f", s: "#d32f2f" };
+  const STATES = { occupied: "rgba(211,47,47,.45)", claimed: "rgba(230,159,0,.40)", own: "rgba(0,114,178,.35)", free: "rgba(0,158,115,.16)" };
+
+  const draw = () => {
+    const { step, mine, users } = scene(), ratio = devicePixelRatio || 1, wide = canvas.clientWidth, high = canvas.clientHeight;
+    if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(high * ratio)) {
+      canvas.width = Math.round(wide * ratio);
+      canvas.height = Math.round(high * ratio);
+    }
+    if (toggles.follow) centre = [mine[0], mine[1]];
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.fillStyle = colours.panel;
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    pen.setTransform(ratio * scale, 0, 0, -ratio * scale, ratio * (wide / 2 - centre[0] * scale), ratio * (high / 2 + centre[1] * scale));
+    pen.fillStyle = colours.road;
+    pen.strokeStyle = colours.mark;
+    pen.lineWidth = 0.12;
+    for (const lane of data.lanes) { outline(lane); pen.fill(); pen.stroke(); }
+    for (const lane of data.inside) { outline(lane); pen.fill(); }
+    const states = inForce(data.states, now);
+    for (const [name, [state]] of Object.entries(states ? states[1] : {})) {
+      if (!data.regions[name]) continue;
+      pen.fillStyle = STATES[state] || STATES.free;
+      outline(data.regions[name]);
+      pen.fill();
+    }
+    const curve = inForce(data.curves, now);
+    if (curve) {
+      pen.strokeStyle = data.colours[data.behaviours[data.ego.behaviour[step]]] || colours.link;
+      pen.lineWidth = Math.max(0.25, 1.5 / scale);
+      pen.beginPath();
+      for (let k = 0; k < curve[1].length; k += 2) pen.lineTo(curve[1][k], curve[1][k + 1]);
+      pen.stroke();
+    }
+    const letters = inForce(data.letters, now);
+    for (const [light, index, x, y, heading, width] of letters ? data.lights : []) {
+      const letter = (letters[1][light] || "")[index];
+      if (letter) across(x, y, heading, width / 2, LIGHTS[letter] || colours.soft, 0.7);
+    }
+    for (const [user, at] of users) {
+      const marked = chosen === user ? colours.link : data.ego.leader[step] === user ? colours.bad : null;
+      body(at, data.users.length[user], data.users.width[user], colours.soft, marked);
+      if (toggles.names || chosen === user) label(at[0], at[1], data.users.ids[user], colours.text);
+    }
+    body(mine, data.ego.length, data.ego.width, data.colours[data.behaviours[data.ego.behaviour[step]]] || colours.link, colours.text);
+    const held = inForce(data.constraints, now);
+    for (const [x, y, heading, , text] of held ? held[1] : []) {
+      across(x, y, heading, 3, colours.bad, Math.max(0.3, 2.5 / scale));
+      label(x, y, text, colours.bad);
+    }
+    if (toggles.field) drawField(ratio, high);
+    clock.textContent = `${now.toFixed(1)} s · ${mine[3].toFixed(1)} m/s · ${data.behaviours[data.ego.behaviour[step]] || ""}`;
+    slider.value = now;
+    tell();
+  };
+
+  // The lattice of commands at the last decision: dark is low, the command chosen then is framed.
+  const drawField = (ratio, high) => {
+    const field = inForce(data.fields, now);
+    if (!field) return;
+    const [time, gains, rates, rows, gain, rate] = field, values = rows.flat().filter((u) => u !== null);
+    const low = Math.min(...values), top = Math.max(...values), cell = 20, x0 = 56, y0 = high - 34 - cell * gains.length;
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.fillStyle = colours.back;
+    pen.globalAlpha = 0.88;
+    pen.fillRect(8, y0 - 26, x0 + cell * rates.length + 4, cell * gains.length + 54);
+    pen.globalAlpha = 1;
+    pen.font = "11px system-ui, sans-serif";
+    pen.textAlign = "left";
+    pen.fillStyle = colours.text;
+    pen.fillText(`U over the commands, ${time.toFixed(1)} s`, 14, y0 - 10);
+    const nearest = (list, value) => list.reduce((best, one, k) => (Math.abs(one - value) < Math.abs(list[best] - value) ? k : best), 0);
+    rows.forEach((row, i) => row.forEach((u, j) => {
+      const x = x0 + j * cell, y = y0 + (gains.length - 1 - i) * cell, share = u === null || top <= low ? 0 : (u - low) / (top - low);
+      pen.fillStyle = u === null ? colours.line : `hsl(${210 - 170 * share} 75% ${34 + 46 * share}%)`;
+      pen.fillRect(x, y, cell - 1, cell - 1);
+    }));
+    if (gain !== null) {
+      pen.strokeStyle = colours.text;
+      pen.lineWidth = 2;
+      pen.strokeRect(x0 + nearest(rates, rate) * cell, y0 + (gains.length - 1 - nearest(gains, gain)) * cell, cell - 1, cell - 1);
+    }
+    pen.fillStyle = colours.soft;
+    pen.textAlign = "right";
+    gains.forEach((one, i) => pen.fillText(one.toFixed(1), x0 - 4, y0 + (gains.length - 1 - i) * cell + 14));
+    pen.textAlign = "left";
+    pen.fillText("m/s² up, rad/s across", x0 - 42, y0 + cell * gains.length + 16);
+  };
+
+  // Words: the decision in force, and whatever was decided about a road user.
+  let told = null;
+  const tell = () => {
+    const entry = inForce(data.decisions, now);
+    if (entry !== told) {
+      told = entry;
+      said.textContent = entry ? `${entry[0].toFixed(1)} s  ${entry[1]}` : "";
+    }
+  };
+  const tellAbout = () => {
+    about.replaceChildren();
+    if (chosen === null) return;
+    const name = data.users.ids[chosen], found = data.decisions.filter((entry) => entry[2].includes(name));
+    const head = document.createElement("p");
+    head.textContent = found.length ? `What was decided about ${name}:` : `Nothing was decided about ${name}.`;
+    about.append(head);
+    for (const [time, text] of found) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = `${time.toFixed(1)} s  ${text}`;
+      button.addEventListener("click", () => go(time));
+      about.append(button);
+    }
+  };
+
+  // Time, and the charts that show it.
+  const chart = document.getElementById("plot-time");
+  let marked = -1;
+  const mark = () => {
+    if (!chart || !chart.layout || typeof Plotly === "undefined" || Math.abs(marked - now) < 0.05) return;
+    marked = now;
+    const shapes = (chart.layout.shapes || []).filter((one) => one.name !== "now");
+    const line = { name: "now", type: "line", xref: "x", yref: "paper", x0: now, x1: now, y0: 0, y1: 1, line: { color: "#d55e00", width: 1.5 } };
+    Plotly.relayout(chart, { shapes: [...shapes, line] });
+  };
+  const go = (time) => { now = Math.min(end, Math.max(begin, time)); dirty = true; };
+  const setPlaying = (on) => {
+    playing = on;
+    if (on && now >= end) go(begin);
+    play.textContent = on ? "Pause" : "Play";
+    dirty = true;
+  };
+  let sinceMark = 0;
+  const FRAME_MS = 1000 / 60;
+  const frame = () => {
+    const at = performance.now();
+    if (playing) {
+      now = Math.min(end, now + Number(rate.value) * Math.min(0.25, (at - before) / 1000));
+      dirty = true;
+      if (now >= end) setPlaying(false);
+    }
+    if (dirty) {
+      dirty = false;
+      draw();
+      root.dataset.frames = Number(root.dataset.frames || 0) + 1;
+      if (at - sinceMark > 400 || !playing) { sinceMark = at; mark(); }
+    }
+    before = at;
+    setTimeout(frame, FRAME_MS);
+  };
+
+  // Hands.
+  const toggle = (name) => {
+    toggles[name] = !toggles[name];
+    part(name).setAttribute("aria-pressed", String(toggles[name]));
+    dirty = true;
+  };
+  const zoom = (factor) => { scale = Math.min(60, Math.max(0.3, scale * factor)); dirty = true; };
+  const jump = (way) => {
+    const times = data.decisions.map((entry) => entry[0]);
+    const found = way > 0 ? times.find((time) => time > now + 1e-3) : times.filter((time) => time < now - 1e-3).pop();
+    if (found !== undefined) go(found);
+  };
+  play.addEventListener("click", () => setPlaying(!playing));
+  for (const name of Object.keys(toggles)) part(name).addEventListener("click", () => toggle(name));
+  part("back").addEventListener("click", () => jump(-1));
+  part("on").addEventListener("click", () => jump(1));
+  part("in").addEventListener("click", () => zoom(1.4));
+  part("out").addEventListener("click", () => zoom(1 / 1.4));
+  slider.addEventListener("input", () => { setPlaying(false); go(Number(slider.value)); });
+  canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoom(Math.exp(-event.deltaY / 500)); }, { passive: false });
+  let held = null;
+  canvas.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY, 0]; canvas.setPointerCapture(event.pointerId); });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!held) return;
+    const [dx, dy] = [event.clientX - held[0], event.clientY - held[1]];
+    held = [event.clientX, event.clientY, held[2] + Math.abs(dx) + Math.abs(dy)];
+    if (held[2] < 4) return;
+    if (toggles.follow) toggle("follow");
+    centre = [centre[0] - dx / scale, centre[1] + dy / scale];
+    dirty = true;
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    if (held && held[2] < 4) {
+      const box = canvas.getBoundingClientRect();
+      const x = centre[0] + (event.clientX - box.left - box.width / 2) / scale, y = centre[1] - (event.clientY - box.top - box.height / 2) / scale;
+      const near = scene().users.map(([user, [ux, uy, heading]]) => {
+        const half = data.users.length[user] / 2;
+        return [Math.hypot(x - ux + half * Math.cos(heading), y - uy + half * Math.sin(heading)) - half, user];
+      }).sort((a, b) => a[0] - b[0])[0];
+      chosen = near && near[0] < Math.max(2, 12 / scale) ? near[1] : null;
+      tellAbout();
+      dirty = true;
+    }
+    held = null;
+  });
+  const keys = { " ": () => setPlaying(!playing), ArrowLeft: () => go(data.times[Math.max(0, stepAt(now) - 1)]),
+    ArrowRight: () => go(data.times[Math.min(last, stepAt(now) + 1)]), "+": () => zoom(1.4), "-": () => zoom(1 / 1.4),
+    f: () => toggle("follow"), h: () => toggle("field"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
+  canvas.addEventListener("keydown", (event) => {
+    if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    setPlaying(event.key === " " ? playing : false);
+    keys[event.key]();
+  });
+  if (chart && chart.on) chart.on("plotly_click", (event) => { setPlaying(false); go(event.points[0].x); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readColours(); dirty = true; });
+  new ResizeObserver(() => { dirty = true; }).observe(canvas);
+  Object.assign(slider, { min: begin, max: end, step: "any", value: begin });
+  readColours();
+  for (const row of document.querySelectorAll("#decisions tbody tr")) row.addEventListener("click", () => {
+    setPlaying(false);
+    go(parseFloat(row.cells[0].textContent));
+    canvas.scrollIntoView({ block: "nearest" });
+  });
+  if (matchMedia("(prefers-reduced-motion: no-preference)").matches && location.hash === "#play") setPlaying(true);
+  root.dataset.ready = "yes";
+  frame();
+})();
