@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
-from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
-from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, event_key
+from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS
+from sumo_reactive.lab.metrics.score import driving_score
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.launch import OptionOverride
@@ -22,7 +22,8 @@ class TrialResult:
 
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
     120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
-    figures apart under `timing`. `faults` are in order of time. `recounts`: what was put right in SUMO's own outputs.
+    figures apart under `timing`. `length_m` and `width_m` are the ego's. `faults` are in order of time. `recounts`: what was
+    put right in SUMO's own outputs.
     """
 
     scenario: str
@@ -46,6 +47,8 @@ class TrialResult:
     ghosts: int = 0
     stopped_s: float = 0.0
     recounts: tuple[Recount, ...] = ()
+    length_m: float = field(kw_only=True)
+    width_m: float = field(kw_only=True)
 
     @property
     def duration_s(self) -> float:
@@ -75,10 +78,19 @@ class TrialResult:
             "duration_s": round(self.duration_s, 3),
             "time_loss_s": round(self.time_loss_s, 3),
             "distance_m": round(self.distance_m, 3),
+            **self._scores,
             "collisions": len(self.collisions),
             "violations": len(self.violations),
             **self.figures,
         }
+
+    @property
+    def _scores(self) -> dict[str, float | None]:
+        """The score, and the part of it that the judges do not know: progress, the share of the driving time not lost."""
+        driven = self.duration_s - self.stopped_s
+        progress = round(min(max(1.0 - self.time_loss_s / driven, 0.0), 1.0), 4) if driven > 0.0 else None
+        parts = {**self.figures, "progress_score": progress}
+        return {"driving_score": driving_score(parts, len(self.collisions)), "progress_score": progress}
 
     @property
     def exit_code(self) -> int:
@@ -151,10 +163,6 @@ class NetworkResult:
 
 Row = tuple[str, str]
 
-_NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_key, EventKind)}
-"""Told otherwise, or too much on a terminal."""
-
-
 def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
@@ -175,7 +183,7 @@ def rows_of(result: TrialResult) -> list[Row]:
         (METRICS["arrived"].label, f"yes, at {result.end_s:.1f} s" if result.arrived else f"no ({result.ended})"),
     ]
     figures = {**result.metrics, **result.timing}
-    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN)
+    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.is_shown)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
     return [*rows, *changed_rows(result)]
 

@@ -207,7 +207,8 @@ class Simulation:
             scenario=str(scenario.source), ego=trip.id, chosen=member.chosen, seed=scenario.seed,
             step_length_s=self._session.step_length, profile=trip.profile, arrived=trip.arrived, ended=ended,
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
-            distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
+            distance_m=trip.distance, length_m=trip.limits.length, width_m=trip.limits.width,
+            figures=jury.figures() | trip.figures, timing=jury.timing(),
             faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
         ))  # fmt: skip
 

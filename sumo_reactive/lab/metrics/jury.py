@@ -10,6 +10,8 @@ from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
 from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
 from sumo_reactive.lab.metrics.rules import RedLights, RightOfWayViolations
+from sumo_reactive.lab.metrics.safety.surrogate import SurrogateSafety
+from sumo_reactive.lab.metrics.score import Score
 
 
 class _Judge(Protocol):
@@ -23,9 +25,9 @@ class Jury:
     def __init__(self, length_m: float, width_m: float, wheelbase_m: float) -> None:
         self._watch, self._timing = Watch(length_m, width_m), Timing()
         self._accusers = Collisions(), RedLights(), RightOfWayViolations(), HardBraking()
-        how_near = TimeToCollision(), PostEncroachment(length_m, width_m)
+        how_near = TimeToCollision(), PostEncroachment(length_m, width_m), SurrogateSafety(length_m, width_m)
         self._judges: tuple[_Judge, ...] = (
-            *self._accusers[:-1], *how_near, self._accusers[-1], Comfort(wheelbase_m), PilotActivity(),
+            *self._accusers[:-1], *how_near, self._accusers[-1], Comfort(wheelbase_m), Score(), PilotActivity(),
         )  # fmt: skip
 
     def see(self, scene: Scene) -> None:
