@@ -8,49 +8,25 @@ import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 from urllib.parse import quote
 
-import duckdb
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, ConfigDict, Field
 
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.columns import trajectory_columns, write_columns
 from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
 from sumo_reactive.lab.schema import Keys, Number, read_json
-from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
 from sumo_reactive.writing import require_writable, whole_folder
 
-COLUMNS = {
-    "time": "time_s", "x": "x_m", "y": "y_m", "heading": "heading_rad", "speed": "speed_m_s",
-    "acceleration": "acceleration_m_s2", "steering_angle": "steering_angle_rad", "lane_id": "lane_id",
-    "s": "s_m", "d": "d_m",
-    "command_acceleration": "command_acceleration_m_s2", "command_steering_rate": "command_steering_rate_rad_s",
-    "desired_speed": "desired_speed_m_s", "stop_s": "stop_m", "u": "u", "u1": "u1", "u2": "u2", "u3": "u3",
-    "leader": "leader", "gap": "gap_m", "behaviour": "behaviour", "instruction": "instruction", "pilot": "pilot",
-    "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
-}  # fmt: skip
-"""Column of each field of `StepRecord`; decisions have a file of their own."""
-
-_FLAGS, _TEXTS = ("emergency",), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
-_TYPES: dict[str, type] = {"pilot": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
-
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
-    """Write `steps` as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done."""
-    table: dict[str, NDArray[Any]] = {
-        column: np.array([getattr(step, field) for step in steps], dtype=_TYPES.get(field, np.float64))
-        for field, column in COLUMNS.items()
-    }
-    with duckdb.connect() as database:
-        database.register("steps", table)
-        with as_os_errors():
-            database.table("steps").write_parquet(str(path))
+    """Write `steps` as a Parquet file; raise what `write_columns` raises."""
+    write_columns(path, trajectory_columns(steps))
 
 
 FLEET = "fleet.json"

@@ -23,9 +23,10 @@ from sumo_reactive import __version__
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
+from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.recorder import COLUMNS, Recorder
+from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output

@@ -15,8 +15,9 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import OutputError, ScenarioError
+from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.fault import COLLISION, Fault
-from sumo_reactive.lab.recorder import COLUMNS, Recorder
+from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.result import TrialResult, rows_of
 from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
 from sumo_reactive.sumo.launch import OptionOverride
