@@ -18,6 +18,9 @@ from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.columns import trajectory_columns, write_columns
+from sumo_reactive.lab.metrics.moment import Neighbourhood
+from sumo_reactive.lab.metrics.safety.pairs import PairLog
+from sumo_reactive.lab.metrics.safety.series import encounter_columns
 from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
 from sumo_reactive.lab.schema import Keys, Number, read_json
 from sumo_reactive.lab.trace import entries, line_of
@@ -105,7 +108,9 @@ def read_fleet(folder: Path) -> FleetKeys:
     return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
-FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS = "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json"
+FILES = SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS = (
+    "summary.json", "trajectory.parquet", "encounters.parquet", "decisions.jsonl", "regions.json",
+)  # fmt: skip
 """The files of a run."""
 
 PAGE = "report.html"
@@ -113,20 +118,23 @@ PAGE = "report.html"
 
 
 class _Record:
-    """The steps of an ego, and the worlds in which it drove them."""
+    """The steps of an ego, who was near in them, and the worlds in which it drove them."""
 
     def __init__(self) -> None:
         self._steps: list[StepRecord] = []
         self._worlds: list[RoadGraph] = []
+        self._neighbourhood, self._log = Neighbourhood(), PairLog()
 
     def see(self, scene: Scene) -> None:
         self._steps.append(scene.step)
+        self._log.see(self._neighbourhood.look(scene))
         if scene.world is not None and scene.world not in self._worlds[-1:]:
             self._worlds.append(scene.world)
 
     def write_into(self, folder: Path, result: TrialResult) -> None:
         """Write all files into a folder, one after another. Raises OSError."""
         write_trajectory(folder / TRAJECTORY, self._steps)
+        write_columns(folder / ENCOUNTERS, encounter_columns(self._log, result.length_m, result.width_m))
         lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (folder / DECISIONS).write_text("".join(lines), encoding="utf-8")
         _write_json(folder / REGIONS, {region.id: region.polygon.round(3).tolist() for region in self._regions_named()})

@@ -19,7 +19,7 @@ HARD = (
     "x" * 301, "Cab", "cab", "CAB", "cab.", "cab ", ".hidden", "fleet.json", "summary.json", "report.html", "Fleet.JSON",
     "NUL", "com1.x", "a~b", "ümlaut", "自动车", "\udc80", "*", "?", '"', "<b>", "|", ":",
 )  # fmt: skip
-FILES = ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+FILES = ["decisions.jsonl", "encounters.parquet", "regions.json", "summary.json", "trajectory.parquet"]
 
 
 def driven(folder, egos, **options):

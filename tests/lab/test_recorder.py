@@ -6,7 +6,7 @@ import math
 import duckdb
 import numpy as np
 import pytest
-from scenes import record
+from scenes import record, user
 
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
@@ -95,7 +95,7 @@ def test_a_record_has_four_files_and_nothing_beside_them(tmp_path):
     recorded(tmp_path / "deep" / "out")
     assert [path.name for path in (tmp_path / "deep").iterdir()] == ["out"]
     names = sorted(path.name for path in (tmp_path / "deep" / "out").iterdir())
-    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+    assert names == ["decisions.jsonl", "encounters.parquet", "regions.json", "summary.json", "trajectory.parquet"]
     summary = json.loads((tmp_path / "deep" / "out" / "summary.json").read_text(encoding="utf-8"))
     assert (summary["exit_code"], summary["duration_s"]) == (0, 30.0)
     assert summary["figures"]["min_time_to_collision_s"] is None
@@ -128,7 +128,7 @@ def test_overwriting_leaves_nothing_of_the_run_before(tmp_path):
     (tmp_path / "out" / "report.html").write_text("the run before", encoding="utf-8")
     recorded(tmp_path / "out", overwrite=True)
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
-    assert names == ["decisions.jsonl", "regions.json", "summary.json", "trajectory.parquet"]
+    assert names == ["decisions.jsonl", "encounters.parquet", "regions.json", "summary.json", "trajectory.parquet"]
 
 
 def test_an_empty_folder_is_fine_and_a_file_is_not(tmp_path):
@@ -217,3 +217,26 @@ def test_a_line_of_another_kind_is_refused_with_its_place(tmp_path, line, compla
     path.write_text(line, encoding="utf-8")
     with pytest.raises(ScenarioError, match=f"jsonl:{complaint}"):
         read_entries(path)
+
+
+def test_the_encounters_are_a_row_a_pair_and_step_with_every_measure(tmp_path):
+    """At 15 m/s behind one at 5 m/s, 50 m away; another comes from behind, a third is beside, a fourth far off."""
+    others = (
+        user("ahead", x=55.0, speed=5.0), user("behind", x=-20.0, speed=15.0), user("beside", y=2.4, speed=15.0),
+        user("elsewhere", y=30.0, speed=15.0),
+    )  # fmt: skip
+    recorder = Recorder(tmp_path / "out")
+    for k in range(2):
+        recorder.see(Scene(record(0.1 * k, speed=15.0), others))
+    recorder.write(result(length_m=5.0, width_m=1.8))
+    found = duckdb.read_parquet(str(tmp_path / "out" / "encounters.parquet"))
+    rows = [dict(zip(found.columns, row, strict=True)) for row in found.fetchall()]
+    assert [(row["time_s"], row["user_id"], row["relation"]) for row in rows[3:]] == [
+        (0.1, "ahead", "ahead"), (0.1, "behind", "behind"), (0.1, "beside", "beside"),
+    ]  # fmt: skip
+    ahead, behind, beside = rows[3:]
+    assert (ahead["gap_m"], ahead["time_to_collision_s"], ahead["ttc_along_s"], ahead["drac_m_s2"]) == (50.0, 5.0, 5.0, 1.0)
+    assert (behind["gap_m"], behind["ttc_along_s"], behind["drac_m_s2"]) == (15.0, None, 0.0)
+    assert beside["lateral_gap_m"] == pytest.approx(0.6)
+    assert (beside["gap_m"], beside["drac_m_s2"]) == (None, None)
+    assert beside["rss_margin_m"] == pytest.approx(0.6 - 0.725)

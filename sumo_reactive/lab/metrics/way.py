@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,6 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
-from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.lab.metrics.moment import JUDGED_REACH_M
 
 SPACING_M = 1.0
@@ -32,9 +30,8 @@ class DrivenWay(NamedTuple):
     along: Floats
 
 
-def driven_way(steps: Sequence[StepRecord]) -> DrivenWay:
-    """Return the way that an ego went in one or more steps."""
-    x, y, heading = np.array([(step.x, step.y, step.heading) for step in steps]).T
+def driven_way(x: Floats, y: Floats, heading: Floats) -> DrivenWay:
+    """Return the way of an ego that was there (m, rad), a value a step, one or more."""
     lead = JUDGED_REACH_M
     along = lead + np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
     moves = np.concatenate(([True], np.diff(along) > 0.0))

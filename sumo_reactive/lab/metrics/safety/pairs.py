@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Floats
-from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.lab.metrics.moment import Moment, Nearby
 from sumo_reactive.lab.metrics.way import along_way, driven_way
 
@@ -64,24 +63,28 @@ class PairLog:
     """Keeps who was near at each step; what that comes to is worked out when all is over."""
 
     def __init__(self) -> None:
-        self.steps: list[StepRecord] = []
+        self._ego: list[tuple[float, ...]] = []
         self._boxes: list[Floats] = []
         self._accelerations: list[Floats] = []
         self._ids: list[tuple[str, ...]] = []
-        self._motion: list[tuple[float, float]] = []
 
     def see(self, moment: Moment | Nearby) -> None:
         """Keep one step."""
-        self.steps.append(moment.step)
+        step = moment.step
+        self._ego.append((step.time, step.x, step.y, step.heading, step.speed, moment.duration, moment.acceleration))
         self._boxes.append(moment.boxes)
         self._accelerations.append(moment.accelerations)
         self._ids.append(tuple(map(attrgetter("id"), moment.users)))
-        self._motion.append((moment.duration, moment.acceleration))
 
     @property
     def ids(self) -> list[str]:
         """The user of each row."""
         return [name for names in self._ids for name in names]
+
+    @property
+    def ego(self) -> Floats:
+        """Time, front x, y, heading, speed, duration and acceleration of the ego at each step, (n, 7)."""
+        return np.array(self._ego).reshape(-1, 7)
 
     @property
     def boxes(self) -> Floats:
@@ -93,12 +96,11 @@ class PairLog:
         boxes = self.boxes
         if not len(boxes):
             return Pairs._make(np.empty((len(Pairs._fields), 0)))
-        way = driven_way(self.steps)
-        step = np.repeat(np.arange(len(self.steps)), [len(some) for some in self._boxes])
+        own = self.ego
+        way = driven_way(*own[:, 1:4].T)
+        step = np.repeat(np.arange(len(own)), [len(some) for some in self._boxes])
         front, rear, aside, rear_aside, turn = along_way(way.points, way.nearest[step], boxes).T
-        motion = np.array([(one.time, one.speed) for one in self.steps])
-        time, ego_speed = motion[step].T
-        duration, ego_acceleration = np.array(self._motion)[step].T
+        time, _, _, _, ego_speed, duration, ego_acceleration = own[step].T
         ego, half = way.along[step], 0.5 * (width + boxes[:, 5])
         left, right = np.minimum(aside, rear_aside), np.maximum(aside, rear_aside)
         lateral_gap = np.maximum(np.maximum(left, -right) - half, 0.0)

@@ -48,8 +48,8 @@ def encounter_columns(log: PairLog, length: float, width: float) -> Columns:
     Pairs: whom the ego follows, who follows it, who is beside it, and with whom it is on collision course.
     """
     pairs, boxes = log.pairs(length, width), log.boxes
-    owns = np.array([(one.x, one.y, one.heading, one.speed, length, width) for one in log.steps]).reshape(-1, 6)
-    times = meetings(owns[pairs.step.astype(np.int64)], boxes)
+    ego = log.ego[pairs.step.astype(np.int64), 1:5]
+    times = meetings(np.column_stack((ego, np.tile((length, width), (len(ego), 1)))), boxes)
     shown = (pairs.relation != OTHERWISE) | (times < NO_CONFLICT_S)
     pairs, times, ids = pairs.only(shown), times[shown], log.ids
     follow = (pairs.relation == AHEAD) | (pairs.relation == BEHIND)
