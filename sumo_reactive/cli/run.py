@@ -127,6 +127,8 @@ def _show(result: TrialResult, quiet: bool) -> None:
         typer.echo(f"{result.ego}: {result.verdict}")
     else:
         show_table(rows_of(result), title=result.scenario)
+    for failure in result.metric_failures:
+        typer.echo("\n".join(failure.traceback), err=True)
 
 
 def _show_several(fleet: FleetResult, quiet: bool) -> None:

@@ -29,11 +29,13 @@ _TYPES: dict[str, type] = {"pilot": np.int64} | dict.fromkeys(_FLAGS, np.bool_) 
 
 
 def trajectory_columns(steps: Sequence[StepRecord]) -> dict[str, NDArray[Any]]:
-    """Return `steps` as arrays by the names of their columns."""
-    return {
-        column: np.array([getattr(step, field) for step in steps], dtype=_TYPES.get(field, np.float64))
-        for field, column in COLUMNS.items()
-    }
+    """Return `steps` as arrays by the names of their columns; numbers that a driver does not have are NaN."""
+    return {column: _array([getattr(step, field) for step in steps], field) for field, column in COLUMNS.items()}
+
+
+def _array(values: Sequence[Any], field: str) -> NDArray[Any]:
+    kind = _TYPES.get(field, np.float64)
+    return np.array(values, dtype=np.float64 if kind is not object and None in values else kind)
 
 
 def write_columns(path: Path, table: Mapping[str, NDArray[Any]]) -> None:

@@ -198,8 +198,8 @@ UNITS: Mapping[str, str] = {
 
 
 def metric_of(key: str) -> Metric:
-    """Return the metric of a key; for one of a user's own its name without the ending that is its unit."""
+    """Return the metric of a key; one of a user's own is called by its name, which ends in its unit."""
     if key in EVERY:
         return EVERY[key]
     ending = next((one for one in UNITS if key.endswith(one)), "")
-    return Metric(key, key.removesuffix(ending).replace("_", " "), UNITS.get(ending, ""), "a metric of one's own")
+    return Metric(key, key, UNITS.get(ending, ""), "a metric of one's own", 3)

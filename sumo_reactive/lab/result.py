@@ -8,8 +8,9 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
-from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS
+from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, metric_of
 from sumo_reactive.lab.metrics.score import driving_score
+from sumo_reactive.lab.own_metrics import MetricFailure
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.launch import OptionOverride
@@ -23,7 +24,7 @@ class TrialResult:
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
     120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
     figures apart under `timing`. `length_m` and `width_m` are the ego's. `faults` are in order of time. `recounts`: what was
-    put right in SUMO's own outputs.
+    put right in SUMO's own outputs. `metric_failures`: metrics of the user's own that gave no number.
     """
 
     scenario: str
@@ -47,6 +48,7 @@ class TrialResult:
     ghosts: int = 0
     stopped_s: float = 0.0
     recounts: tuple[Recount, ...] = ()
+    metric_failures: tuple[MetricFailure, ...] = ()
     length_m: float = field(kw_only=True)
     width_m: float = field(kw_only=True)
 
@@ -94,8 +96,8 @@ class TrialResult:
 
     @property
     def exit_code(self) -> int:
-        """0: arrived without a collision or violation; else 1."""
-        return 0 if self.arrived and not self.collisions and not self.violations else 1
+        """0: arrived without a collision or violation, and every metric asked for is there; else 1."""
+        return 0 if self.arrived and not self.collisions and not self.violations and not self.metric_failures else 1
 
     @property
     def verdict(self) -> str:
@@ -103,7 +105,7 @@ class TrialResult:
         faults = [str(fault) for fault in (*self.collisions, *self.violations)]
         if not self.arrived:
             faults.insert(0, f"did not arrive ({self.ended})")
-        return "; ".join(faults) if faults else "arrived without a violation"
+        return "; ".join((*(faults or ["arrived without a violation"]), *map(str, self.metric_failures)))
 
 
 @dataclass(frozen=True)
@@ -125,11 +127,11 @@ class FleetResult:
 
     @property
     def faulty(self) -> tuple[TrialResult, ...]:
-        """Trips with a collision or violation, and those that ended before the goal."""
-        return tuple(one for one in self.results if one.collisions or one.violations or not self._is_excused(one))
+        """Trips with a collision, a violation or a metric that failed, and those that ended before the goal."""
+        return tuple(one for one in self.results if one.violations or one.collisions or self._falls_short(one))
 
-    def _is_excused(self, result: TrialResult) -> bool:
-        return result.arrived or result.ego in self.on_their_way
+    def _falls_short(self, result: TrialResult) -> bool:
+        return bool(result.metric_failures) or not (result.arrived or result.ego in self.on_their_way)
 
     @property
     def recounts(self) -> tuple[Recount, ...]:
@@ -167,6 +169,7 @@ def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
     plain |= changes_of(result)
+    plain["metric_failures"] = [one._asdict() for one in result.metric_failures]
     del plain["faults"]
     harms = {"collisions": result.collisions, "hard_brakes": result.hard_brakes}
     plain |= {name: [_fault_line(one) for one in faults] for name, faults in harms.items()}
@@ -185,6 +188,8 @@ def rows_of(result: TrialResult) -> list[Row]:
     figures = {**result.metrics, **result.timing}
     shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.is_shown)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
+    own = (metric_of(key) for key in figures if key not in EVERY)
+    rows += [(metric.title, metric.text(figures[metric.key])) for metric in own]
     return [*rows, *changed_rows(result)]
 
 

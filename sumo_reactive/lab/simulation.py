@@ -115,7 +115,7 @@ class Simulation:
         """Take over a vehicle that has departed, chosen in the way told."""
         trip = self._take_over(vehicle_id)
         self._until = self._scenario.end_after(trip.departure)
-        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase)
+        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase, self._scenario.metrics)
         self._members.append(_Member(trip, jury, chosen, self._until))
 
     def run_one(self) -> None:
@@ -204,12 +204,13 @@ class Simulation:
         """Judge a trip that has ended for the reason told."""
         trip, jury, scenario, start = member.trip, member.jury, self._scenario, self._start
         overrides = (*start.overrides, *passed_end(start.config, trip.end, scenario.sumo_options))
+        own, failures = jury.own_figures()
         self.results.append(TrialResult(
             scenario=str(scenario.source), ego=trip.id, chosen=member.chosen, seed=scenario.seed,
             step_length_s=self._session.step_length, profile=trip.profile, arrived=trip.arrived, ended=ended,
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
             distance_m=trip.distance, length_m=trip.limits.length, width_m=trip.limits.width,
-            figures=jury.figures() | trip.figures, timing=jury.timing(),
+            figures=jury.figures() | trip.figures | own, timing=jury.timing(), metric_failures=failures,
             faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
         ))  # fmt: skip
 

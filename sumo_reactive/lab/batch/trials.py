@@ -88,6 +88,7 @@ def key_of(task: Task) -> str:
         "driver": task.driver.value,
         SHARE: task.share,
         "parameters": scenario.parameters.varied,
+        "metrics": {source.name: source.digest for source in scenario.metrics},
         "versions": release(),
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
@@ -194,7 +195,8 @@ def _shares(experiment: Experiment, shares: Sequence[float]) -> Iterator[Trial]:
     ):
         for share, seed in itertools.product(shares, choice.seeds):
             one = _trial(experiment, choice, (seed, None, Driver.REACTIVE), point, options)
-            scenario = replace(one.task.scenario, sumo_options=_words(options))  # outputs are dealt with where it is run
+            # outputs are dealt with where it is run; of a trip's own metrics there is none
+            scenario = replace(one.task.scenario, sumo_options=_words(options), metrics=())
             yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, Driver.REACTIVE, share))
 
 
