@@ -77,9 +77,9 @@ class Score:
 
 
 def driving_score(parts: Mapping[str, float | None], collisions: int) -> float | None:
-    """Return the mean of the parts by their weights; 0 after a collision or without progress; None without parts.
+    """Return Σ w p / Σ w over the parts p, 0 after a collision or with progress below 0.2 (None: no parts; nuPlan).
 
-    A part that is None is left out.
+    The weights w are WEIGHTS. A part that is None is left out.
     """
     known = {name: value for name in WEIGHTS if (value := parts.get(name)) is not None}
     if "progress_score" not in known or "ttc_score" not in known:

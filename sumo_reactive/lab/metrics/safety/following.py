@@ -18,19 +18,20 @@ EXPOSED_BELOW_S = 3.0
 
 
 def ttc_along(gap: Floats, rear_speed: Floats, front_speed: Floats) -> Floats:
-    """Return TTC = g / (v_r − v_f) along the way (s, infinite: the gap does not close).
+    """Return TTC = g / (v_r − v_f) along the way (s, infinite: the gap does not close; Hayward 1972).
 
-    `gap` g in m between the bodies, speeds v_r of the follower and v_f of the one ahead in m/s (Hayward 1972).
+    `gap` g in m between the bodies, speeds v_r of the follower and v_f of the one ahead in m/s.
     """
     closing = rear_speed - front_speed
     return np.where(closing > 0.0, gap / np.where(closing > 0.0, closing, 1.0), np.inf)
 
 
 def modified_ttc(gap: Floats, closing: Floats, closing_faster: Floats) -> Floats:
-    """Return MTTC, the first t > 0 with g = Δv t + ½ Δa t² (s, infinite: none), if both kept their accelerations.
+    """Return MTTC, the first t > 0 with g = Δv t + ½ Δa t² (s, infinite: none; Ozbay et al. 2008).
 
-    `closing` Δv = v_r − v_f in m/s, `closing_faster` Δa = a_r − a_f in m/s², NaN as 0 (Ozbay et al. 2008). Of the two roots
-    2 g / (Δv ± √(Δv² + 2 Δa g)) the one with + is the smaller positive one. That a car comes to a stand is not considered.
+    `closing` Δv = v_r − v_f in m/s, `closing_faster` Δa = a_r − a_f in m/s², NaN as 0: both keep their accelerations. Of the
+    two roots 2 g / (Δv ± √(Δv² + 2 Δa g)) the one with + is the smaller positive one. That a car comes to a stand is not
+    considered.
     """
     faster = np.nan_to_num(closing_faster)
     square = closing**2 + 2.0 * faster * gap
@@ -57,7 +58,7 @@ def time_integrated(ttc: Floats, duration: Floats) -> float:
 
 
 def short_share(headway: Floats, duration: Floats) -> float | None:
-    """Return the share (0 to 1) of the time with a headway in which it is shorter than 1 s; None: there is none."""
+    """Return Σ Δt over steps with THW < 1 s by Σ Δt over all with a headway (None: there is none)."""
     there: NDArray[np.bool_] = ~np.isnan(headway)
     time = float(duration[there].sum())
     return float(duration[headway < SHORT_HEADWAY_S].sum()) / time if time > 0.0 else None

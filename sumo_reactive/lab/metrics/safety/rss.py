@@ -31,10 +31,11 @@ RSS = RssParameters()
 
 
 def longitudinal_distance(rear_speed: Floats, front_speed: Floats, response_s: float) -> Floats:
-    """Return d = [v_r ρ + ½ a ρ² + (v_r + ρ a)² / (2 b_min) − v_f² / (2 b_max)]₊, which the follower has to keep (m).
+    """Return d = [v_r ρ + ½ a ρ² + (v_r + ρ a)² / (2 b_min) − v_f² / (2 b_max)]₊, the follower's distance
+    (m; Shalev-Shwartz et al. 2017).
 
     Speeds in m/s along the way, ρ the follower's response time, during which he accelerates by a; then he brakes by b_min at
-    least, the one ahead by b_max at most (Definition 1).
+    least, the one ahead by b_max at most.
     """
     speed = rear_speed + response_s * RSS.accel_max_m_s2
     way = rear_speed * response_s + 0.5 * RSS.accel_max_m_s2 * response_s**2 + speed**2 / (2.0 * RSS.brake_min_m_s2)
@@ -42,10 +43,10 @@ def longitudinal_distance(rear_speed: Floats, front_speed: Floats, response_s: f
 
 
 def lateral_distance(approach: Floats) -> Floats:
-    """Return d = μ + [r(0, ρ_ego) + r(w, ρ_other)]₊, the room to the side that both have to keep (m).
+    """Return d = μ + [r(0, ρ_ego) + r(w, ρ_other)]₊, the room to keep to the side (m; Shalev-Shwartz et al. 2017).
 
     r(w, ρ) = (w + w′) ρ / 2 + w′ |w′| / (2 b), w′ = w + ρ a: how far who nears at w (m/s) still comes, accelerating by a to
-    that side for ρ and then braking by b until he does not move sideways (Definition 6). The ego does not move sideways on
+    that side for ρ and then braking by b until he does not move sideways. The ego does not move sideways on
     its own way.
     """
     ego, other = _sideways(np.zeros_like(approach), RSS.ego_response_s), _sideways(approach, RSS.other_response_s)
