@@ -96,7 +96,7 @@ METRICS: Mapping[str, Metric] = _by_key(
     _model("max_dst_m_s2", "largest deceleration to safety time", "m/s²", "to come no nearer than 1 s behind the one ahead"),
     _model("max_drac_of_follower_m_s2", "follower's largest DRAC", "m/s²", "what the ego asks of who follows it"),
     Metric("min_time_headway_s", "smallest time headway", "s", "front to front behind the one ahead, while the ego moves"),
-    _model("short_headway_share", "share of short headways", "", "of the time behind somebody, at less than 1 s, 0 to 1"),
+    _model("short_headway_share", "share of short headways", "", "of the time in which the ego moves, 0 to 1; below 1 s"),
     _model("time_exposed_ttc_s", "time-exposed time to collision", "s", "time with less than 3 s to the one ahead"),
     _model("time_integrated_ttc_s2", "time-integrated time to collision", "s²", "what it lacks of 3 s, over time"),
     _model(

@@ -35,6 +35,9 @@ GROUP = "sumo_reactive.metrics"
 MOST_LETTERS, MOST_VALUE = 64, 1e12
 """No name of an own metric is longer, and no value larger."""
 
+MOST_TOLD, MOST_LINES_TOLD = 300, 60
+"""So many letters of why a metric failed are told, and so many lines of its traceback, the last ones."""
+
 OWN_NAME = re.compile(rf"[A-Za-z_][A-Za-z0-9_]{{0,{MOST_LETTERS - 1}}}")
 """What the name of an own metric is like, whole: it is a key in files and a column in tables."""
 
@@ -225,7 +228,7 @@ def _told(error: BaseException) -> str:
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename != __file__]
     frames = [frame for frame in frames if not frame.filename.startswith("<frozen")]
     place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"
+    return f"{type(error).__name__}: {' '.join(str(error).split())[:MOST_TOLD]}{place}"
 
 
 def _lines(error: BaseException) -> tuple[str, ...]:
@@ -233,4 +236,4 @@ def _lines(error: BaseException) -> tuple[str, ...]:
     own = error.__traceback__
     while own is not None and own.tb_frame.f_code.co_filename == __file__:
         own = own.tb_next
-    return tuple("".join(traceback.format_exception(type(error), error, own)).splitlines())
+    return tuple("".join(traceback.format_exception(type(error), error, own)).splitlines()[-MOST_LINES_TOLD:])

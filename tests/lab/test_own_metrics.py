@@ -40,6 +40,9 @@ def breaks(trajectory, encounters):
 def gives_text(trajectory, encounters):
     return "fast"
 
+def fails_at_length(trajectory, encounters):
+    raise ValueError("no " * 10_000)
+
 def gives_nan(trajectory, encounters):
     return float("nan")
 
@@ -104,6 +107,11 @@ def test_a_metric_that_fails_is_told_with_its_own_traceback_and_the_others_are_t
     assert str(failure) == f"metric '{name}' failed: {why}"
     assert failure.traceback[-1] == why.partition(" (mine")[0]
     assert not any("own_metrics.py" in line for line in failure.traceback)
+
+
+def test_of_a_long_story_of_a_failure_the_begin_is_told(folder):
+    (failure,) = figures_of(folder, "fails_at_length")[1]
+    assert failure.why.startswith("ValueError: no no ") and failure.why.endswith("(mine.py:19)") and len(failure.why) < 400
 
 
 def test_a_failed_metric_is_a_verdict_and_no_fault_of_the_driver():

@@ -86,8 +86,8 @@ def test_a_headway_is_from_front_to_front_over_the_followers_speed():
     found = headways(np.array([30.0, 9.0, 10.0]), np.array([15.0, 10.0, 0.0]))
     assert found[:2].tolist() == [2.0, 0.9]
     assert math.isnan(found[2])
-    assert short_share(found, np.array([0.3, 0.1, 5.0])) == pytest.approx(0.25)
-    assert short_share(found[2:], np.array([5.0])) is None
+    assert short_share(found, np.array([0.3, 0.1, 5.0]), 0.8) == pytest.approx(0.125)
+    assert short_share(found[2:], np.array([5.0]), 0.0) is None
 
 
 def test_exposed_and_integrated_time_are_sums_below_three_seconds():
@@ -117,13 +117,13 @@ def test_the_figures_of_a_trip_behind_another_are_those_of_its_worst_step():
     assert figures["short_headway_share"] == figures["time_exposed_ttc_s"] == 0.0
     assert figures["min_rss_longitudinal_margin_m"] == pytest.approx(40.0 - safe, abs=1e-3)
     assert figures["rss_violation_s"] == pytest.approx(1.0)
-    assert figures["max_drac_of_follower_m_s2"] is None
+    assert figures["max_drac_of_follower_m_s2"] == 0.0
 
 
 def test_what_the_ego_asks_of_its_follower_is_told_apart():
     figures = judged(lambda t: record(t, x=5.0 * t, speed=5.0), lambda t: [user(x=-55.0 + 15.0 * t, speed=15.0)])
     assert figures["max_drac_of_follower_m_s2"] == pytest.approx(100.0 / 80.0, abs=1e-3)
-    assert figures["max_drac_m_s2"] is figures["min_time_headway_s"] is None
+    assert (figures["max_drac_m_s2"], figures["min_time_headway_s"]) == (0.0, None)
 
 
 def test_only_the_nearest_ahead_is_followed():
@@ -177,8 +177,16 @@ def test_while_the_ego_stands_rss_is_not_violated():
     assert figures["rss_violation_s"] == 0.0
 
 
-def test_alone_there_is_no_encounter():
+def test_who_meets_nobody_comes_near_nobody_and_need_not_brake():
     figures = judged(lambda t: record(t, x=10.0 * t, speed=10.0), lambda t: [])
-    names = ("max_drac_m_s2", "min_time_headway_s", "short_headway_share", "min_rss_longitudinal_margin_m")
-    assert {figures[name] for name in names} == {None}
-    assert figures["rss_violation_s"] == figures["time_exposed_ttc_s"] == 0.0
+    nearest = ("min_modified_ttc_s", "min_time_headway_s", "min_rss_longitudinal_margin_m", "min_rss_lateral_margin_m")
+    assert {figures[name] for name in nearest} == {None}
+    most = ("max_drac_m_s2", "max_mdrac_m_s2", "max_dst_m_s2", "max_drac_of_follower_m_s2", "short_headway_share")
+    assert {figures[name] for name in (*most, "rss_violation_s", "time_exposed_ttc_s", "time_integrated_ttc_s2")} == {0.0}
+
+
+def test_a_share_of_short_headways_is_of_the_time_in_which_the_ego_moves():
+    """Behind another at 0.8 s for half of a second, then alone, then standing."""
+    others = lambda t: [user(x=8.0, speed=10.0)] if t < 0.55 else []  # noqa: E731
+    figures = judged(lambda t: record(t, speed=10.0 if t < 1.05 else 0.0), others, 31)
+    assert (figures["min_time_headway_s"], figures["short_headway_share"]) == (0.8, 0.5)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sumo_reactive.driver.geometry.polyline import Floats
 
@@ -57,8 +56,6 @@ def time_integrated(ttc: Floats, duration: Floats) -> float:
     return float(((EXPOSED_BELOW_S - ttc[exposed]) * duration[exposed]).sum())
 
 
-def short_share(headway: Floats, duration: Floats) -> float | None:
-    """Return Σ Δt over steps with THW < 1 s by Σ Δt over all with a headway (None: there is none)."""
-    there: NDArray[np.bool_] = ~np.isnan(headway)
-    time = float(duration[there].sum())
-    return float(duration[headway < SHORT_HEADWAY_S].sum()) / time if time > 0.0 else None
+def short_share(headway: Floats, duration: Floats, moving_time: float) -> float | None:
+    """Return Σ Δt over steps with THW < 1 s by Σ Δt over those in which the follower moves (0 to 1, None: never)."""
+    return float(duration[headway < SHORT_HEADWAY_S].sum()) / moving_time if moving_time > 0.0 else None

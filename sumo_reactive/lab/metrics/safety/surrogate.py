@@ -30,7 +30,7 @@ class SurrogateSafety:
         return encounter_columns(self._log, *self._size)
 
     def figures(self) -> Figures:
-        """Return the figures of the trip; None where nobody was met in such a way."""
+        """Return the figures of the trip: no smallest, None, and no deceleration needed, 0, where nobody was met so."""
         pairs = self._log.pairs(*self._size)
         ahead, behind, beside = (pairs.that_are(relation) for relation in (AHEAD, BEHIND, BESIDE))
         own = following_columns(ahead)
@@ -39,6 +39,8 @@ class SurrogateSafety:
         rss_ahead = ahead.gap - own["rss_distance_m"]
         rss_beside = beside.lateral_gap - lateral_distance(beside.approach)
         headway, modified = own["time_headway_s"], own["modified_ttc_s"]
+        time, speed = self._log.ego[:, 5], self._log.ego[:, 4]
+        moving_time = float(np.nan_to_num(time[speed > MOVING_M_S]).sum())
         return {
             "min_modified_ttc_s": _least(modified[modified < NO_CONFLICT_S]),
             "max_drac_m_s2": _most(own["drac_m_s2"]),
@@ -46,7 +48,7 @@ class SurrogateSafety:
             "max_dst_m_s2": _most(own["dst_m_s2"]),
             "max_drac_of_follower_m_s2": _most(following_columns(behind)["drac_m_s2"]),
             "min_time_headway_s": _least(headway),
-            "short_headway_share": _rounded(short_share(headway, lasted)),
+            "short_headway_share": _rounded(short_share(headway, lasted, moving_time)),
             "time_exposed_ttc_s": _rounded(time_exposed(exposed, lasted)),
             "time_integrated_ttc_s2": _rounded(time_integrated(exposed, lasted)),
             "min_rss_longitudinal_margin_m": _least(rss_ahead[ahead.ego_speed > MOVING_M_S]),
@@ -68,9 +70,8 @@ def _least(values: Floats) -> float | None:
     return _rounded(float(known.min())) if len(known) else None
 
 
-def _most(values: Floats) -> float | None:
-    known = values[np.isfinite(values)]
-    return _rounded(float(known.max())) if len(known) else None
+def _most(decelerations: Floats) -> float:
+    return round(float(np.nanmax(decelerations, initial=0.0)), 3)
 
 
 def _rounded(value: float | None) -> float | None:
