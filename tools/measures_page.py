@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from readme_samples import is_alike, replaced, sample_in
 
 from sumo_reactive.driver.nouns.record import Scene
+from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.metrics import score
 from sumo_reactive.lab.metrics.encounters import PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Neighbourhood
 from sumo_reactive.lab.metrics.safety import deceleration, following, rss
@@ -44,7 +44,7 @@ EQUATIONS: Mapping[str, object] = {
     "min_time_headway_s": following.headways, "short_headway_share": following.short_share,
     "time_exposed_ttc_s": following.time_exposed, "time_integrated_ttc_s2": following.time_integrated,
     "min_rss_longitudinal_margin_m": rss.longitudinal_distance, "min_rss_lateral_margin_m": rss.lateral_distance,
-    "driving_score": score.driving_score,
+    "driving_score": driving_score,
 }  # fmt: skip
 """By key: what computes a measure and says how."""
 

@@ -26,6 +26,7 @@ from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of, is_there
 from sumo_reactive.lab.columns import trajectory_columns
+from sumo_reactive.lab.fault import MetricFailure
 from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.lab.schema import nearest
 
@@ -73,17 +74,6 @@ class MetricSource(NamedTuple):
     file: Path
     digest: str
     folder: Path | None
-
-
-class MetricFailure(NamedTuple):
-    """An own metric that gave no number: why, in a line, and the lines of its traceback."""
-
-    name: str
-    why: str
-    traceback: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return f"metric '{self.name}' failed: {self.why}"
 
 
 def metric_source(asked: str, folder: Path) -> MetricSource:

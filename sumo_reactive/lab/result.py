@@ -7,10 +7,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
-from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
+from sumo_reactive.lab.driving_score import driving_score
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault, MetricFailure
 from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, metric_of
-from sumo_reactive.lab.metrics.score import driving_score
-from sumo_reactive.lab.own_metrics import MetricFailure
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.launch import OptionOverride

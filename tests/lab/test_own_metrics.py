@@ -16,8 +16,9 @@ from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.batch.store_file import StoreFile
 from sumo_reactive.lab.batch.trials import key_of
 from sumo_reactive.lab.check import unmet
+from sumo_reactive.lab.fault import MetricFailure
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.own_metrics import GROUP, TAKEN, MetricFailure, function_of, measured, merged, metric_source
+from sumo_reactive.lab.own_metrics import GROUP, TAKEN, function_of, measured, merged, metric_source
 from sumo_reactive.lab.result import rows_of, summary_of
 from sumo_reactive.lab.scenario import Expectation, load_scenario, load_scenario_file
 from sumo_reactive.lab.task import Task
@@ -270,6 +271,15 @@ def test_an_own_metric_is_a_column_of_a_batch_for_both_drivers_and_on_its_page(f
     assert r"fastest\_m\_s (m/s)" in sumo_reactive("table", folder / "e.duckdb").stdout
     assert sumo_reactive("report", folder / "e.duckdb").returncode == 0
     assert "fastest_m_s (m/s)" in (folder / "e.html").read_text(encoding="utf-8")
+
+
+def test_a_run_tells_the_traceback_of_a_metric_that_failed_and_ends_with_1(folder):
+    file = scenario(folder, "mine:breaks")
+    for more in ((), ("--quiet",), ("--ego", "ego", "--ego", "west_east.0", "--until", "30")):
+        answer = sumo_reactive("run", file, *more)
+        assert answer.returncode == 1
+        assert answer.stderr.count("Traceback") == answer.stderr.count("KeyError: 'no such column'") == 1
+        assert "metric 'breaks' failed: KeyError" in answer.stdout
 
 
 def test_a_run_tells_an_own_metric_and_records_the_encounters(folder):

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from helpers.results import result
 from scenes import drive, record, user
+from scipy.signal import savgol_filter
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.metrics.score import COMFORT_BOUNDS, driving_score
+from sumo_reactive.lab.metrics.score import COMFORT_BOUNDS, SMOOTHED_STEPS, slopes
 
 PARTS = {"ttc_score": 1, "progress_score": 0.8, "speed_limit_score": 0.5, "comfort_score": 0}
 
@@ -48,6 +50,12 @@ def test_progress_is_the_share_of_the_driving_time_that_is_not_lost():
     assert metrics["driving_score"] == pytest.approx((5.0 + 5.0 * 0.75 + 4.0 + 2.0) / 16.0, abs=1e-4)
     hit = result(figures=figures, faults=(Fault(9.0, COLLISION, "van", "a_0"),))
     assert hit.metrics["driving_score"] == 0.0
+
+
+@pytest.mark.parametrize("steps", [SMOOTHED_STEPS, 40])
+def test_derivatives_are_those_of_a_savitzky_golay_filter(steps):
+    values = np.random.default_rng(1).normal(size=steps).cumsum()
+    assert slopes(values, 0.1) == pytest.approx(savgol_filter(values, SMOOTHED_STEPS, 2, deriv=1, delta=0.1))
 
 
 @pytest.mark.parametrize(("acceleration", "comfortable"), [(2.3, 1), (2.5, 0), (-3.9, 1), (-4.2, 0)])

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
-from sumo_reactive.lab.fault import Fault
+from sumo_reactive.lab.fault import Fault, MetricFailure
 from sumo_reactive.lab.metrics.comfort import Comfort, PilotActivity, Timing
 from sumo_reactive.lab.metrics.encounters import Collisions, HardBraking, PostEncroachment, TimeToCollision
 from sumo_reactive.lab.metrics.moment import Figures, Moment, Watch
 from sumo_reactive.lab.metrics.rules import RedLights, RightOfWayViolations
 from sumo_reactive.lab.metrics.safety.surrogate import SurrogateSafety
 from sumo_reactive.lab.metrics.score import Score
-from sumo_reactive.lab.own_metrics import MetricFailure, MetricSource, function_of, measured
+from sumo_reactive.lab.own_metrics import MetricSource, function_of, measured
 
 
 class _Judge(Protocol):

