@@ -14,7 +14,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab import own_metrics
 from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.batch.store_file import StoreFile
-from sumo_reactive.lab.batch.trials import key_of
+from sumo_reactive.lab.batch.trials import key_of, trials_of
 from sumo_reactive.lab.check import unmet
 from sumo_reactive.lab.fault import MetricFailure
 from sumo_reactive.lab.metrics.jury import Jury
@@ -240,6 +240,13 @@ def test_the_source_of_a_metric_is_in_the_key_of_a_trial(folder):
         keys.append(key_of(Task(load_scenario(scenario(folder, "mine:near")))))
     keys.append(key_of(Task(load_scenario(scenario(folder)))))
     assert keys[0] == keys[1] and len(set(keys)) == 3
+
+
+def test_a_run_with_a_share_of_egos_measures_no_own_metrics(folder):
+    scenario(folder, "mine:near")
+    (folder / "e.toml").write_text('[experiment]\nscenarios = ["a.toml"]\n[egos]\nshare = [0.5]\n', encoding="utf-8")
+    trials = trials_of(load_experiment(folder / "e.toml"), lambda _: [])
+    assert [one.task.scenario.metrics for one in trials] == [()] * len(trials) != []
 
 
 def test_no_own_metric_is_called_as_a_column_of_a_trial(tmp_path):

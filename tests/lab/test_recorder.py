@@ -237,6 +237,18 @@ def test_the_encounters_are_a_row_a_pair_and_step_with_every_measure(tmp_path):
     ahead, behind, beside = rows[3:]
     assert (ahead["gap_m"], ahead["time_to_collision_s"], ahead["ttc_along_s"], ahead["drac_m_s2"]) == (50.0, 5.0, 5.0, 1.0)
     assert (behind["gap_m"], behind["ttc_along_s"], behind["drac_m_s2"]) == (15.0, None, 0.0)
+    assert behind["rss_distance_m"] == pytest.approx(15.0 * 2.0 + 0.5 * 3.5 * 4.0 + 22.0**2 / 8.0 - 15.0**2 / 16.0)
     assert beside["lateral_gap_m"] == pytest.approx(0.6)
     assert (beside["gap_m"], beside["drac_m_s2"]) == (None, None)
     assert beside["rss_margin_m"] == pytest.approx(0.6 - 0.725)
+
+
+def test_who_follows_the_ego_has_the_modified_ttc_of_his_own_acceleration(tmp_path):
+    """He gains 0.2 m/s in a step of 0.1 s, and so 2 m/s², at the ego's speed then: 16 m are used up after 4 s."""
+    recorder = Recorder(tmp_path / "out")
+    for k, speed in enumerate((9.8, 10.0)):
+        recorder.see(Scene(record(0.1 * k, speed=10.0), (user(x=-21.0, speed=speed),)))
+    recorder.write(result(length_m=5.0, width_m=1.8))
+    found = duckdb.read_parquet(str(tmp_path / "out" / "encounters.parquet"))
+    rows = found.project("relation, modified_ttc_s").fetchall()
+    assert rows[1] == ("behind", pytest.approx(4.0))

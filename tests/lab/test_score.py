@@ -1,6 +1,7 @@
 """The driving score: each part against a case computed by hand, and how the parts weigh."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,12 +10,13 @@ from scenes import drive, record, user
 from scipy.signal import savgol_filter
 
 from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.world.junction import Connection, Control, Turn
 from sumo_reactive.driver.world.lane import VEHICLE_CLASSES, Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.metrics.score import COMFORT_BOUNDS, SMOOTHED_STEPS, slopes
+from sumo_reactive.lab.metrics.score import COMFORT_BOUNDS, SMOOTHED_STEPS, slopes, speed_limit
 
 PARTS = {"ttc_score": 1, "progress_score": 0.8, "speed_limit_score": 0.5, "comfort_score": 0}
 
@@ -95,6 +97,21 @@ def test_a_short_time_to_collision_with_one_in_front_costs_its_score(other, scor
 def test_overspeed_costs_its_mean_over_what_is_too_much(lane, score):
     figures = judged(lambda t: record(t, speed=11.0, lane_id=lane), world=limited(10.0))
     assert figures["speed_limit_score"] == pytest.approx(score, abs=1e-3)
+
+
+def test_inside_a_junction_the_limit_is_the_higher_one_of_its_roads():
+    world = limited(10.0)
+    line = Polyline(np.array([[0.0, 0.0], [10.0, 0.0]]))
+    inside = Connection("c", "j", 0, "slow_0", "road_0", (":j_0_0",), line, Turn.STRAIGHT, Control.MINOR)
+    slow = replace(world.lanes["road_0"], id="slow_0", speed_limit=5.0)
+    known = replace(world, lanes=dict(world.lanes) | {"slow_0": slow}, connections={"c": inside})
+    assert speed_limit(known, ":j_0_0") == 10.0
+
+
+def test_who_stands_is_not_about_to_collide():
+    """A crossing car comes within 0.9 s, which is its driver's business."""
+    crossing = user(x=6.0, y=-5.0, heading=0.5 * math.pi, speed=8.0)
+    assert judged(lambda t: record(t, x=5.5), lambda t: [crossing], 2)["ttc_score"] == 1
 
 
 def test_without_a_map_nobody_knows_the_limits():

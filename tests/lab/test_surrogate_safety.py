@@ -172,9 +172,31 @@ def test_who_is_beside_needs_the_room_that_rss_asks_for(room, violation):
     assert figures["rss_violation_s"] == pytest.approx(violation)
 
 
-def test_while_the_ego_stands_rss_is_not_violated():
-    figures = judged(lambda t: record(t), lambda t: [user(x=6.0)])
-    assert figures["rss_violation_s"] == 0.0
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_who_comes_nearer_from_the_side_needs_more_room_than_who_goes_away(side):
+    """2 m to the side, at a right angle's tenth and 10 m/s: his reach of 2 s grows from 0.5 m, or is nought."""
+    margins = []
+    for turn in (-0.1, 0.1):
+        beside = user(y=side * (WIDTH + 2.0), heading=side * turn, speed=10.0)
+        figures = judged(lambda t: record(t, speed=10.0), lambda t, beside=beside: [beside])
+        margins.append(figures["min_rss_lateral_margin_m"])
+    assert margins[0] < 0.0 < 1.3 < margins[1]
+
+
+def test_while_the_ego_stands_rss_is_not_violated_and_has_no_margin():
+    figures = judged(lambda t: record(t), lambda t: [user("ahead", x=6.0), user("beside", y=WIDTH + 0.1)])
+    margins = figures["min_rss_longitudinal_margin_m"], figures["min_rss_lateral_margin_m"]
+    assert (figures["rss_violation_s"], *margins) == (0.0, None, None)
+
+
+def test_a_step_with_two_that_are_too_near_counts_once():
+    others = [user("ahead", x=10.0, speed=10.0), user("beside", y=WIDTH + 0.1, speed=10.0)]
+    assert judged(lambda t: record(t, speed=10.0), lambda t: others)["rss_violation_s"] == pytest.approx(1.0)
+
+
+def test_a_modified_ttc_of_ten_seconds_or_more_is_none():
+    figures = judged(lambda t: record(t, speed=10.0), lambda t: [user(x=75.0, speed=5.0)])
+    assert figures["min_modified_ttc_s"] is None
 
 
 def test_who_meets_nobody_comes_near_nobody_and_need_not_brake():
