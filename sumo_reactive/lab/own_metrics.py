@@ -20,6 +20,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.record import StepRecord
@@ -115,13 +116,13 @@ def function_of(source: MetricSource) -> OwnMetric:
         raise ScenarioError(f"{source.file}: has changed since a file named it as a metric")
     try:
         found: Any = _module_of(source)
-        for part in source.attribute.split("."):
-            found = getattr(found, part)
-    except AttributeError as error:
-        near = nearest(source.attribute, [name for name in dir(found) if not name.startswith("_")])
-        raise ScenarioError(f"{source.file.name} has no function '{source.attribute}'{near}") from error
     except (Exception, SystemExit) as error:
         raise ScenarioError(f"{source.module} cannot be loaded: {_told(error)}") from error
+    for part in source.attribute.split("."):
+        near = nearest(part, [name for name in dir(found) if not name.startswith("_")])
+        found = getattr(found, part, None)
+        if found is None:
+            raise ScenarioError(f"{source.file.name} has no function '{source.attribute}'{near}")
     if not callable(found):
         raise ScenarioError(f"'{source.attribute}' of {source.file.name} is no function")
     metric: OwnMetric = found
@@ -141,7 +142,7 @@ def measured(
         try:
             figures[source.name] = _number(function(*copies))
         except (Exception, SystemExit) as error:
-            failures.append(MetricFailure(source.name, _told(error), _lines(error)))
+            failures.append(MetricFailure(source.name, _told(error, source.file), _lines(error)))
     return figures, tuple(failures)
 
 
@@ -157,7 +158,7 @@ def merged(*sources: Sequence[MetricSource]) -> tuple[MetricSource, ...]:
 def _number(value: object) -> float | None:
     if value is None:
         return None
-    number = float(value) if isinstance(value, Real) else math.nan
+    number = float(value) if isinstance(value, Real | np.bool_) else math.nan
     if not abs(number) <= MOST_VALUE:
         raise ValueError(f"gave {value!r:.60}, which is no number up to {MOST_VALUE:g}")
     return number
@@ -197,7 +198,7 @@ def _module_of(source: MetricSource) -> ModuleType:
         return importlib.import_module(source.module)
     spec = importlib.util.spec_from_file_location(f"_metrics_{source.digest}_{source.module}", source.file)
     assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
+    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)  # data classes look their module up there
     with _on_path(source.folder):
         spec.loader.exec_module(module)
     return module
@@ -213,10 +214,11 @@ def _on_path(folder: Path) -> Iterator[None]:
         sys.path.remove(str(folder))
 
 
-def _told(error: BaseException) -> str:
-    """Return an error in one line, with the place in the user's code."""
+def _told(error: BaseException, file: Path | None = None) -> str:
+    """Return an error in one line, with the place in the user's code: the last one in `file`, else the last of all."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename != __file__]
     frames = [frame for frame in frames if not frame.filename.startswith("<frozen")]
+    frames = [frame for frame in frames if frame.filename == str(file)] or frames
     place = f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""
     return f"{type(error).__name__}: {' '.join(str(error).split())[:MOST_TOLD]}{place}"
 

@@ -25,6 +25,8 @@ from sumo_reactive.lab.task import Task
 
 FOUR_WAY = ROOT / "networks" / "four_way_priority" / "four_way_priority.sumocfg"
 MODULE = """
+from __future__ import annotations
+from dataclasses import dataclass
 import numpy as np
 
 LIMIT = 3
@@ -32,8 +34,18 @@ LIMIT = 3
 def fastest_m_s(trajectory, encounters):
     return np.max(trajectory["speed_m_s"])
 
+@dataclass
+class Peak:
+    value: float
+
+def is_fast(trajectory, encounters):
+    return (Peak(trajectory["speed_m_s"]).value > 1.0).all()
+
 def nobody(trajectory, encounters):
     return None
+
+def breaks_in_numpy(trajectory, encounters):
+    return np.max(encounters["time_s"][:0])
 
 def breaks(trajectory, encounters):
     return len(encounters["no such column"])
@@ -84,8 +96,8 @@ def figures_of(folder, *names):
 
 
 def test_a_metric_gets_the_trajectory_and_the_encounters_as_columns(folder):
-    figures, failures = figures_of(folder, "fastest_m_s", "near", "nobody")
-    assert figures == {"fastest_m_s": pytest.approx(6.0), "near": 11, "nobody": None}
+    figures, failures = figures_of(folder, "fastest_m_s", "near", "nobody", "is_fast")
+    assert figures == {"fastest_m_s": pytest.approx(6.0), "near": 11, "nobody": None, "is_fast": 1.0}
     assert failures == ()
 
 
@@ -96,7 +108,8 @@ def test_a_metric_that_spoils_its_columns_spoils_no_others(folder):
 @pytest.mark.parametrize(
     ("name", "why"),
     [
-        ("breaks", "KeyError: 'no such column' (mine.py:13)"),
+        ("breaks", "KeyError: 'no such column' (mine.py:25)"),
+        ("breaks_in_numpy", "ValueError: zero-size array to reduction operation maximum which has no identity (mine.py:22)"),
         ("gives_text", "ValueError: gave 'fast', which is no number up to 1e+12"),
         ("gives_nan", "ValueError: gave nan, which is no number up to 1e+12"),
     ],
@@ -112,7 +125,7 @@ def test_a_metric_that_fails_is_told_with_its_own_traceback_and_the_others_are_t
 
 def test_of_a_long_story_of_a_failure_the_begin_is_told(folder):
     (failure,) = figures_of(folder, "fails_at_length")[1]
-    assert failure.why.startswith("ValueError: no no ") and failure.why.endswith("(mine.py:19)") and len(failure.why) < 400
+    assert failure.why.startswith("ValueError: no no ") and failure.why.endswith("(mine.py:31)") and len(failure.why) < 400
 
 
 def test_a_failed_metric_is_a_verdict_and_no_fault_of_the_driver():
@@ -157,6 +170,7 @@ def test_what_cannot_be_a_metric_is_told_with_its_line(folder, asked, said):
         ("import no_such_module\n", "ModuleNotFoundError: No module named 'no_such_module' (broken.py:1)"),
         ("def f(:\n", "SyntaxError: "),
         ("raise SystemExit(3)\n", "SystemExit: 3 (broken.py:1)"),
+        ("import math\nmath.nothing\n", "AttributeError: module 'math' has no attribute 'nothing' (broken.py:2)"),
     ],
 )
 def test_a_module_that_cannot_be_loaded_is_one_line(folder, text, said):
@@ -259,7 +273,7 @@ def test_an_own_metric_is_expected_by_check_and_its_failure_is_no_pass(folder):
     expect = "[expect.metrics]\nfastest_m_s = { max = 1.0 }\n"
     answer = sumo_reactive("check", scenario(folder, "mine:fastest_m_s", "mine:breaks", expect=expect))
     assert answer.returncode == 1
-    assert "metric 'breaks' failed: KeyError: 'no such column' (mine.py:13); fastest_m_s is " in answer.stdout
+    assert "metric 'breaks' failed: KeyError: 'no such column' (mine.py:25); fastest_m_s is " in answer.stdout
     assert "expected at most 1" in answer.stdout
     assert 'return len(encounters["no such column"])' in answer.stdout
 
