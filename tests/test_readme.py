@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.lab.recorder import COLUMNS
+from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.sumo.launch import OVERRIDES
 
 ROOT = Path(__file__).resolve().parents[1]

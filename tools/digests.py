@@ -35,7 +35,7 @@ from typing import Any, Self, TypeVar
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.errors import InputError, ScenarioError
-from sumo_reactive.lab.recorder import COLUMNS
+from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.runner import Runner
 from sumo_reactive.lab.scenario import DEFAULT_SEED, Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_trial

@@ -133,6 +133,14 @@ def _show(result: TrialResult, quiet: bool) -> None:
         typer.echo(f"{result.ego}: {result.verdict}")
     else:
         show_table(rows_of(result), title=result.scenario)
+    _tell_failures([result])
+
+
+def _tell_failures(results: Sequence[TrialResult]) -> None:
+    """Tell the traceback of each metric of the user's own that failed, once."""
+    failures = [failure for result in results for failure in result.metric_failures]
+    for traceback in dict.fromkeys(failure.traceback for failure in failures):
+        typer.echo("\n".join(traceback), err=True)
 
 
 def _show_several(fleet: FleetResult, quiet: bool) -> None:
@@ -150,6 +158,7 @@ def _show_several(fleet: FleetResult, quiet: bool) -> None:
     )
     for name, reason in fleet.refused:
         typer.echo(f"not taken over: {name}: {reason}")
+    _tell_failures(fleet.results)
     if quiet:
         return
     table = Table("ego", "departed (s)", METRICS["duration_s"].title, METRICS["time_loss_s"].title, "verdict", box=None)

@@ -153,6 +153,7 @@ def _unmet(expectation: Expectation, result: TrialResult) -> Iterator[str]:
         if len(found) > allowed:
             told = ", ".join(map(str, found))
             yield f"{told}" if allowed == 0 else f"{len(found)} {name}, expected at most {allowed}: {told}"
+    yield from map(str, result.metric_failures)
     metrics = result.metrics
     for name, limit in expectation.metrics.items():
         yield from _outside(name, metrics.get(name), limit)

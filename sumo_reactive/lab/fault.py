@@ -1,4 +1,4 @@
-"""What a judge finds: what the ego did to somebody, or against a rule."""
+"""What a judge finds: what the ego did to somebody, or against a rule, and which figure asked for is missing."""
 
 from __future__ import annotations
 
@@ -23,3 +23,14 @@ class Fault(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.what} at {self.time:.1f} s"
+
+
+class MetricFailure(NamedTuple):
+    """An own metric that gave no number: why, in a line, and the lines of its traceback."""
+
+    name: str
+    why: str
+    traceback: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"metric '{self.name}' failed: {self.why}"

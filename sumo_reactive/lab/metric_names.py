@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from sumo_reactive.driver.nouns.event import EventKind
 
@@ -13,7 +14,8 @@ class Metric:
     """One figure: `key` in files and queries, `label` and `unit` (empty: none) for people, `meaning` in a line.
 
     `digits` are those after the point of a single value; None: it is a count, or 1 for yes and 0 for no, and `one` is what
-    one of those counted is called.
+    one of those counted is called. `is_shown`: a run tells it on the terminal, unasked, as it does all that needs no chosen
+    threshold or model to be read; the rest is in files, stores and reports.
     """
 
     key: str
@@ -22,6 +24,7 @@ class Metric:
     meaning: str
     digits: int | None = 2
     one: str = ""
+    is_shown: bool = True
 
     @property
     def is_count(self) -> bool:
@@ -50,6 +53,10 @@ def event_key(kind: EventKind) -> str:
     return f"events_{kind.name.lower()}"
 
 
+_model = partial(Metric, is_shown=False)
+"""A figure that needs a threshold or a model to be read, or one of too many."""
+
+
 def _by_key(*metrics: Metric) -> dict[str, Metric]:
     return {metric.key: metric for metric in metrics}
 
@@ -58,12 +65,14 @@ _EMERGENCY = "harder than planned, or with no admissible command left"
 """Planned: 3 m/s², at most the type's `decel`; with the paper's nine commands that `decel`."""
 
 METRICS: Mapping[str, Metric] = _by_key(
-    Metric("arrived", "arrived", "", "1 if the ego has arrived, else 0", None),
+    Metric("arrived", "arrived", "", "1 if the ego has arrived, else 0", None, is_shown=False),
     Metric("duration_s", "duration", "s", "time from departure to arrival, or to the end of the run", 1),
     Metric("time_loss_s", "time loss", "s", "time lost by driving slower than the road allows", 1),
     Metric("distance_m", "distance", "m", "way driven", 0),
+    _model("driving_score", "driving score", "", "0 to 1, after nuPlan's closed-loop score: its parts by their weights"),
+    _model("progress_score", "score of progress", "", "share of the time that is not lost, 0 to 1"),
     Metric("collisions", "collisions", "", "contacts of the ego's box with another", None, "collision"),
-    Metric("violations", "violations", "", "red lights run and rights of way taken", None, "violation"),
+    Metric("violations", "violations", "", "red lights run and rights of way taken", None, "violation", False),
     Metric("red_lights_run", "red lights run", "", "stop lines crossed on a letter that forbids it", None, "red light run"),
     Metric(
         "right_of_way_violations", "rights of way taken", "", "users with priority that the ego obstructed", None,
@@ -71,12 +80,30 @@ METRICS: Mapping[str, Metric] = _by_key(
     ),
     Metric("min_time_to_collision_s", "smallest time to collision", "s", "if both kept their velocities; below 10 s"),
     Metric(
-        "min_time_to_collision_at_s", "time of the smallest time to collision", "s", "simulation time at which that was", 1
+        "min_time_to_collision_at_s", "time of the smallest time to collision", "s", "simulation time at which that was", 1,
+        is_shown=False,
     ),
     Metric(
         "min_post_encroachment_s", "smallest post-encroachment time", "s",
         "from when one leaves a place to when the other enters it; below 10 s",
     ),
+    _model(
+        "min_modified_ttc_s", "smallest modified time to collision", "s",
+        "behind the one ahead, if both kept their accelerations; below 10 s",
+    ),
+    Metric("max_drac_m_s2", "largest DRAC", "m/s²", "needed to avoid a crash with the one ahead who keeps his speed"),
+    _model("max_mdrac_m_s2", "largest MDRAC", "m/s²", "the same after a reaction time of 1 s; 99: nothing is enough"),
+    _model("max_dst_m_s2", "largest deceleration to safety time", "m/s²", "to come no nearer than 1 s behind the one ahead"),
+    _model("max_drac_of_follower_m_s2", "follower's largest DRAC", "m/s²", "what the ego asks of who follows it"),
+    Metric("min_time_headway_s", "smallest time headway", "s", "front to front behind the one ahead, while the ego moves"),
+    _model("short_headway_share", "share of short headways", "", "of the time in which the ego moves, 0 to 1; below 1 s"),
+    _model("time_exposed_ttc_s", "time-exposed time to collision", "s", "time with less than 3 s to the one ahead"),
+    _model("time_integrated_ttc_s2", "time-integrated time to collision", "s²", "what it lacks of 3 s, over time"),
+    _model(
+        "min_rss_longitudinal_margin_m", "smallest RSS margin ahead", "m", "gap less the distance that RSS asks for",
+    ),
+    _model("min_rss_lateral_margin_m", "smallest RSS margin beside", "m", "room less the distance that RSS asks for"),
+    _model("rss_violation_s", "time in violation of RSS", "s", "time with one of them negative while the ego moves"),
     Metric(
         "hard_braking_caused", "hard brakings caused", "", "vehicles behind the ego that began to brake below −4.6 m/s²",
         None, "hard braking caused",
@@ -89,9 +116,16 @@ METRICS: Mapping[str, Metric] = _by_key(
     Metric("off_road_s", "time on no lane", "s", "as SUMO maps the ego"),
     Metric("emergencies", "emergencies", "", f"times that the ego began to brake {_EMERGENCY}", None, "emergency"),
     Metric("emergency_s", "time in emergencies", "s", f"time during which the ego braked {_EMERGENCY}"),
+    _model("max_yaw_rate_rad_s", "largest yaw rate", "rad/s", "smoothed over 15 steps"),
+    _model("max_yaw_acceleration_rad_s2", "largest yaw acceleration", "rad/s²", "smoothed over 15 steps"),
+    _model("max_longitudinal_jerk_m_s3", "largest longitudinal jerk", "m/s³", "smoothed over 15 steps"),
+    _model("max_jerk_m_s3", "largest jerk", "m/s³", "smoothed over 15 steps, along and across"),
+    _model("comfort_score", "score of comfort", "", "1 if all is within nuPlan's bounds, else 0", None),
+    _model("ttc_score", "score of the time to collision", "", "1 if it is never below 0.95 s to one in front, else 0", None),
+    _model("speed_limit_score", "score of the speed limit", "", "1 less the overspeed by 2.23 m/s, on average, 0 to 1"),
     Metric("pilot_activations", "activations of the pilot", "", "runs of the pilot, and so of the highway code", None),
     Metric("pilot_free_share", "steps without the pilot", "", "share in which it did not run, 0 to 1"),
-    *(Metric(event_key(kind), f"event: {kind.value}", "", "how often this activated the pilot", None) for kind in EventKind),
+    *(_model(event_key(kind), f"event: {kind.value}", "", "how often this activated the pilot", None) for kind in EventKind),
 )  # fmt: skip
 """What a trial gives again with the same seed, in the order in which it is shown."""
 
@@ -155,3 +189,17 @@ TIMINGS: Mapping[str, Metric] = _by_key(
 
 EVERY: Mapping[str, Metric] = {**METRICS, **BASELINE, **OTHERS, **NETWORK, **TIMINGS}
 """All of them by key."""
+
+UNITS: Mapping[str, str] = {
+    "_g_per_km": "g/km", "_per_h": "1/h", "_m_s2": "m/s²", "_m_s3": "m/s³", "_m_s": "m/s", "_rad_s2": "rad/s²",
+    "_rad_s": "rad/s", "_rad": "rad", "_s2": "s²", "_us": "µs", "_km": "km", "_kg": "kg", "_s": "s", "_m": "m", "_g": "g",
+}  # fmt: skip
+"""Units by the ending of a key; a longer ending comes first."""
+
+
+def metric_of(key: str) -> Metric:
+    """Return the metric of a key; one of a user's own is called by its name, which ends in its unit."""
+    if key in EVERY:
+        return EVERY[key]
+    ending = next((one for one in UNITS if key.endswith(one)), "")
+    return Metric(key, key, UNITS.get(ending, ""), "a metric of one's own", 3)

@@ -8,55 +8,29 @@ import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 from urllib.parse import quote
 
-import duckdb
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, ConfigDict, Field
 
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.columns import trajectory_columns, write_columns
+from sumo_reactive.lab.metrics.moment import Neighbourhood
+from sumo_reactive.lab.metrics.safety.pairs import PairLog
+from sumo_reactive.lab.metrics.safety.series import encounter_columns
 from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
 from sumo_reactive.lab.schema import Keys, Number, read_json
 from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USERS, SurroundingsRecord
-from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.lab.trace import entries, line_of
 from sumo_reactive.writing import require_writable, whole_folder
 
-COLUMNS = {
-    "time": "time_s", "x": "x_m", "y": "y_m", "heading": "heading_rad", "speed": "speed_m_s",
-    "acceleration": "acceleration_m_s2", "steering_angle": "steering_angle_rad", "lane_id": "lane_id",
-    "s": "s_m", "d": "d_m",
-    "command_acceleration": "command_acceleration_m_s2", "command_steering_rate": "command_steering_rate_rad_s",
-    "desired_speed": "desired_speed_m_s", "stop_s": "stop_m", "u": "u", "u1": "u1", "u2": "u2", "u3": "u3",
-    "leader": "leader", "gap": "gap_m", "behaviour": "behaviour", "instruction": "instruction", "pilot": "pilot",
-    "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
-}  # fmt: skip
-"""Column of each field of `StepRecord`; decisions have a file of their own."""
-
-_FLAGS, _TEXTS = ("emergency",), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
-_TYPES: dict[str, type] = {"pilot": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
-
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
-    """Write `steps` as a Parquet file; NaN and None become NULL. Raises OSError if that cannot be done."""
-    table = {column: _column([getattr(step, field) for step in steps], field) for field, column in COLUMNS.items()}
-    with duckdb.connect() as database:
-        database.register("steps", table)
-        with as_os_errors():
-            database.table("steps").write_parquet(str(path))
-
-
-def _column(values: list[Any], field: str) -> NDArray[Any]:
-    kind = _TYPES.get(field, np.float64)
-    if kind is np.float64 or None not in values:
-        return np.array(values, dtype=kind)
-    filled = [kind() if value is None else value for value in values]
-    return np.ma.masked_array(np.array(filled, dtype=kind), mask=[value is None for value in values])
+    """Write `steps` as a Parquet file; raise what `write_columns` raises."""
+    write_columns(path, trajectory_columns(steps))
 
 
 FLEET = "fleet.json"
@@ -135,10 +109,10 @@ def read_fleet(folder: Path) -> FleetKeys:
     return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
-SUMMARY, TRAJECTORY, DECISIONS, REGIONS, SAID = (
-    "summary.json", "trajectory.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
+SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, SAID = (
+    "summary.json", "trajectory.parquet", "encounters.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
 )  # fmt: skip
-FILES = SUMMARY, TRAJECTORY, DECISIONS, REGIONS, USERS, SURROUNDINGS, SAID
+FILES = SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, USERS, SURROUNDINGS, SAID
 """The files of a run; the last one only of a driver of the user's that tells its reasons."""
 
 PAGE = "report.html"
@@ -146,22 +120,25 @@ PAGE = "report.html"
 
 
 class _Record:
-    """The steps of an ego, and the worlds in which it drove them."""
+    """The steps of an ego, who was near in them, and the worlds in which it drove them."""
 
     def __init__(self) -> None:
         self._steps: list[StepRecord] = []
         self._worlds: list[RoadGraph] = []
         self._surroundings = SurroundingsRecord()
+        self._neighbourhood, self._log = Neighbourhood(), PairLog()
 
     def see(self, scene: Scene) -> None:
         self._steps.append(scene.step)
         self._surroundings.see(scene)
+        self._log.see(self._neighbourhood.look(scene))
         if scene.world is not None and scene.world not in self._worlds[-1:]:
             self._worlds.append(scene.world)
 
     def write_into(self, folder: Path, result: TrialResult) -> None:
         """Write all files into a folder, one after another. Raises OSError."""
         write_trajectory(folder / TRAJECTORY, self._steps)
+        write_columns(folder / ENCOUNTERS, encounter_columns(self._log, result.length_m, result.width_m))
         lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (folder / DECISIONS).write_text("".join(lines), encoding="utf-8")
         _write_json(folder / REGIONS, {region.id: region.polygon.round(3).tolist() for region in self._regions_named()})

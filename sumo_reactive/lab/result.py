@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
-from sumo_reactive.driver.nouns.event import EventKind
-from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
-from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, event_key
+from sumo_reactive.lab.driving_score import driving_score
+from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault, MetricFailure
+from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, metric_of
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.launch import OptionOverride
@@ -22,8 +22,9 @@ class TrialResult:
 
     `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
     120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
-    figures apart under `timing`. `faults` are in order of time. `recounts`: what was put right in SUMO's own outputs.
-    `failure`: the traceback of a driver of the user's that has failed (empty: none has).
+    figures apart under `timing`. `length_m` and `width_m` are the ego's. `faults` are in order of time. `recounts`: what was
+    put right in SUMO's own outputs. `failure`: the traceback of a driver of the user's that has failed (empty: none has).
+    `metric_failures`: metrics of the user's own that gave no number.
     """
 
     scenario: str
@@ -48,8 +49,9 @@ class TrialResult:
     stopped_s: float = 0.0
     recounts: tuple[Recount, ...] = ()
     failure: str = ""
-    ego_length_m: float = 0.0
-    ego_width_m: float = 0.0
+    metric_failures: tuple[MetricFailure, ...] = ()
+    length_m: float = field(kw_only=True)
+    width_m: float = field(kw_only=True)
 
     @property
     def duration_s(self) -> float:
@@ -79,15 +81,24 @@ class TrialResult:
             "duration_s": round(self.duration_s, 3),
             "time_loss_s": round(self.time_loss_s, 3),
             "distance_m": round(self.distance_m, 3),
+            **self._scores,
             "collisions": len(self.collisions),
             "violations": len(self.violations),
             **self.figures,
         }
 
     @property
+    def _scores(self) -> dict[str, float | None]:
+        """The score, and the part of it that the judges do not know: progress, the share of the driving time not lost."""
+        driven = self.duration_s - self.stopped_s
+        progress = round(min(max(1.0 - self.time_loss_s / driven, 0.0), 1.0), 4) if driven > 0.0 else None
+        parts = {**self.figures, "progress_score": progress}
+        return {"driving_score": driving_score(parts, len(self.collisions)), "progress_score": progress}
+
+    @property
     def exit_code(self) -> int:
-        """0: arrived without a collision or violation; else 1."""
-        return 0 if self.arrived and not self.collisions and not self.violations else 1
+        """0: arrived without a collision or violation, and every metric asked for is there; else 1."""
+        return 0 if self.arrived and not self.collisions and not self.violations and not self.metric_failures else 1
 
     @property
     def verdict(self) -> str:
@@ -95,7 +106,7 @@ class TrialResult:
         faults = [str(fault) for fault in (*self.collisions, *self.violations)]
         if not self.arrived:
             faults.insert(0, f"did not arrive ({self.ended})")
-        return "; ".join(faults) if faults else "arrived without a violation"
+        return "; ".join((*(faults or ["arrived without a violation"]), *map(str, self.metric_failures)))
 
 
 @dataclass(frozen=True)
@@ -117,11 +128,11 @@ class FleetResult:
 
     @property
     def faulty(self) -> tuple[TrialResult, ...]:
-        """Trips with a collision or violation, and those that ended before the goal."""
-        return tuple(one for one in self.results if one.collisions or one.violations or not self._is_excused(one))
+        """Trips with a collision, a violation or a metric that failed, and those that ended before the goal."""
+        return tuple(one for one in self.results if one.violations or one.collisions or self._falls_short(one))
 
-    def _is_excused(self, result: TrialResult) -> bool:
-        return result.arrived or result.ego in self.on_their_way
+    def _falls_short(self, result: TrialResult) -> bool:
+        return bool(result.metric_failures) or not (result.arrived or result.ego in self.on_their_way)
 
     @property
     def recounts(self) -> tuple[Recount, ...]:
@@ -155,9 +166,6 @@ class NetworkResult:
 
 Row = tuple[str, str]
 
-_NOT_SHOWN = {"arrived", "violations", "min_time_to_collision_at_s", *map(event_key, EventKind)}
-"""Told otherwise, or too much on a terminal."""
-
 _OF_THIS_DRIVER = "off_road_s", "emergencies", "emergency_s", "pilot_activations", "pilot_free_share"
 """What other drivers do not have, and is then not told of them."""
 
@@ -166,6 +174,7 @@ def summary_of(result: TrialResult) -> dict[str, object]:
     """Return `summary.json` as a dictionary: units in the keys, wall-clock figures under `timing`, null for "none"."""
     plain = asdict(result)
     plain |= changes_of(result)
+    plain["metric_failures"] = [one._asdict() for one in result.metric_failures]
     del plain["faults"]
     harms = {"collisions": result.collisions, "hard_brakes": result.hard_brakes}
     plain |= {name: [_fault_line(one) for one in faults] for name, faults in harms.items()}
@@ -183,8 +192,11 @@ def rows_of(result: TrialResult) -> list[Row]:
     ]
     figures = {**result.metrics, **result.timing}
     lacking = {key for key in _OF_THIS_DRIVER if figures.get(key) is None}
-    shown = (metric for metric in (*METRICS.values(), *TIMINGS.values()) if metric.key not in _NOT_SHOWN | lacking)
+    every = (*METRICS.values(), *TIMINGS.values())
+    shown = (metric for metric in every if metric.is_shown and metric.key not in lacking)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]
+    own = (metric_of(key) for key in figures if key not in EVERY)
+    rows += [(metric.title, metric.text(figures[metric.key])) for metric in own]
     return [*rows, *changed_rows(result)]
 
 

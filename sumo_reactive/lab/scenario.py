@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.parameters import USUAL, Parameters, name_of
 from sumo_reactive.driver.pilot.schedule import Delays
-from sumo_reactive.errors import ParameterError
+from sumo_reactive.errors import ParameterError, ScenarioError
 from sumo_reactive.lab.drivers.choice import (
     REACTIVE,
     REACTIVE_NAME,
@@ -22,7 +22,8 @@ from sumo_reactive.lab.drivers.choice import (
     driver_problem,
 )
 from sumo_reactive.lab.metric_names import METRICS
-from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, read_toml
+from sumo_reactive.lab.own_metrics import MetricSource, merged, metric_source
+from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, problem_in, read_toml
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS, given_options, read_config, seconds_of
 
 NamedValue = TypeVar("NamedValue")
@@ -52,14 +53,6 @@ class Expectation(TomlTable):
     violations: int = Field(default=0, ge=0)
     metrics: dict[str, Limit] = Field(default_factory=dict)
 
-    @field_validator("metrics")
-    @classmethod
-    def _known(cls, metrics: dict[str, Limit]) -> dict[str, Limit]:
-        for name in metrics:
-            if name not in METRICS:
-                raise problem_at(name, f"unknown metric '{name}'{nearest(name, METRICS)}")
-        return metrics
-
 
 DEFAULT_SEED = 42
 
@@ -71,7 +64,7 @@ class Scenario:
     `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
     run ends at the latest; it ends `horizon_s` after the ego's departure at the latest, too. `until_end` plays the scenario
     out after the ego's arrival. Polygons of the type `obstacle_polygons` stand on the road as bodies. `driver` drives;
-    `parameters` are those of this project's.
+    `parameters` are those of this project's, `metrics` the user's own.
     """
 
     config: Path
@@ -88,6 +81,7 @@ class Scenario:
     parameters: Parameters = USUAL
     horizon_s: float | None = None
     driver: DriverChoice = REACTIVE
+    metrics: tuple[MetricSource, ...] = ()
 
     def end_after(self, departure: float) -> float | None:
         """Return the simulation time (s) at which the run ends at the latest if the ego departs at `departure`."""
@@ -142,6 +136,7 @@ class _Keys(TomlTable):
     parameters: dict[str, Any] = Field(default_factory=dict)
     driver: DriverName = REACTIVE_NAME
     driver_options: dict[str, DriverOption] = Field(default_factory=dict)
+    metrics: list[str] = Field(default_factory=list)
 
     @field_validator("seeds")
     @classmethod
@@ -202,8 +197,24 @@ def load_scenario_file(path: Path) -> ScenarioFile:
     read_config(config)
     driver = chosen_driver(keys["driver"], keys.pop("driver_options"), path.parent.absolute())
     keys |= {"config": config, "source": path, "seed": seeds[0], "parameters": Parameters.of(keys["parameters"])}
+    keys["metrics"] = own_metrics_of(path, ("scenario", "metrics"), dict(enumerate(keys["metrics"])))
+    known = (*METRICS, *(source.name for source in keys["metrics"]))
+    for name in file.expect.metrics:
+        if name not in known:
+            raise problem_in(path, ("expect", "metrics", name), f"unknown metric '{name}'{nearest(name, known)}")
     scenario = Scenario(**keys | {"driver": driver})
     return ScenarioFile(scenario, seeds, file.expect)
+
+
+def own_metrics_of(path: Path, keys: Sequence[str | int], asked: Mapping[int, str]) -> tuple[MetricSource, ...]:
+    """Return the user's own metrics that the list at `keys` of a file names, by place in it; tell of what cannot be."""
+    found: tuple[MetricSource, ...] = ()
+    for place, name in asked.items():
+        try:
+            found = merged(found, [metric_source(name, path.parent)])
+        except ScenarioError as error:
+            raise problem_in(path, (*keys, place), str(error)) from error
+    return found
 
 
 def _own_seed(text: str) -> int:

@@ -78,6 +78,12 @@ def problem_at(key: str | int, message: str) -> PydanticCustomError:
     return PydanticCustomError("key", "{message}", {"message": message, "keys": (key,)})
 
 
+def problem_in(path: Path, keys: KeyPath, message: str) -> ScenarioError:
+    """Return the error that names a TOML file, and the line of a key in it."""
+    line = line_number_of(text_of(path, most=MOST_TOML_BYTES), keys)
+    return ScenarioError(f"{path}{f':{line}' if line else ''}: key '{'.'.join(map(str, keys))}': {message}")
+
+
 def nearest(name: str, names: Iterable[str]) -> str:
     """Return "; near it: a, b" for a name that is unknown, or nothing if none is near."""
     found = difflib.get_close_matches(name.lower(), [one.lower() for one in names], n=MOST_NAMES, cutoff=0.5)

@@ -23,12 +23,13 @@ from sumo_reactive import __version__
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
+from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.drivers.loading import controller_parts, is_of_parts, maker_of
 from sumo_reactive.lab.drivers.users_trip import UsersTrip
 from sumo_reactive.lab.egos import EgoRule, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.recorder import COLUMNS, Recorder, reasons_in
+from sumo_reactive.lab.recorder import Recorder, reasons_in
 from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
@@ -117,7 +118,7 @@ class Simulation:
         """Take over a vehicle that has departed, chosen in the way told."""
         trip = self._take_over(vehicle_id)
         self._until = self._scenario.end_after(trip.departure)
-        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase)
+        jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase, self._scenario.metrics)
         self._members.append(_Member(trip, jury, chosen, self._until))
 
     def run_one(self) -> None:
@@ -212,13 +213,15 @@ class Simulation:
         trip, jury, scenario, start = member.trip, member.jury, self._scenario, self._start
         self.placed |= {trip.id} if trip.is_placed else set()
         overrides = (*start.overrides, *passed_end(start.config, trip.end, scenario.sumo_options))
+        own, failures = jury.own_figures()
         self.results.append(TrialResult(
             scenario=str(scenario.source), ego=trip.id, chosen=member.chosen, seed=scenario.seed,
             step_length_s=self._session.step_length, profile=trip.profile, arrived=trip.arrived, ended=ended,
             begin_s=start.begin, departure_s=trip.departure, end_s=trip.end, time_loss_s=trip.time_loss,
-            distance_m=trip.distance, figures=jury.figures() | trip.figures, timing=jury.timing(),
+            distance_m=trip.distance, length_m=trip.limits.length, width_m=trip.limits.width,
+            figures=jury.figures() | trip.figures | own, timing=jury.timing(), metric_failures=failures,
             faults=jury.faults, overrides=overrides, versions=versions(), ghosts=trip.ghosts_made, stopped_s=trip.stopped,
-            failure=trip.failure, ego_length_m=trip.limits.length, ego_width_m=trip.limits.width,
+            failure=trip.failure,
         ))  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
 from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME
 from sumo_reactive.lab.fault import Fault
-from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS
+from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.task import SHARE, Ending
 from sumo_reactive.lab.trace import Entry, entry_of
 
@@ -83,7 +83,7 @@ def trials_in(results: Results) -> list[StoredTrial]:
 
 
 def _trial(results: Results, row: Mapping[str, Any]) -> StoredTrial:
-    metrics = {name: float(row[name]) for name in IN_BATCHES if row.get(name) is not None}
+    metrics = {name: float(row[name]) for name in results.known if row.get(name) is not None}
     told: dict[str, Any] = {name: "" if row[name] is None else row[name] for name in StoredTrial._fields[:-3]}
     varied = results.varied(row["parameters"], row["options"])
     share = json.loads(row["parameters"]).get(SHARE)

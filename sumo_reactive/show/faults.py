@@ -47,6 +47,7 @@ def failure_told(verdict: Verdict) -> Iterator[str]:
     yield from verdict.reasons
     result, entries = verdict.outcome.result, verdict.outcome.entries
     if result is not None:
+        yield from (line for failure in result.metric_failures for line in failure.traceback)
         faults = result.faults
         for fault in faults[:_MOST_FAULTS]:
             yield f"{fault_told(fault, entries)}:"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME
-from sumo_reactive.lab.metric_names import EVERY
+from sumo_reactive.lab.metric_names import EVERY, metric_of
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -168,8 +168,8 @@ def is_count(metric: str) -> bool:
 
 
 def title_of(metric: str) -> str:
-    """Return a metric as the title of a column or an axis, with its unit; one of another release by its key."""
-    return EVERY[metric].title if metric in EVERY else metric
+    """Return a metric as the title of a column or an axis, with its unit; one that is not of this release by its key."""
+    return metric_of(metric).title
 
 
 def number(value: float | None) -> str:

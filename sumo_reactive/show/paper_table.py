@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from enum import Enum
 from io import StringIO
 from pathlib import Path
@@ -13,7 +13,7 @@ from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.comparison.comparison import EGO_METRICS
 from sumo_reactive.lab.comparison.record import figure_text, interval_text, recorded_pairs, signed_text
 from sumo_reactive.lab.comparison.statistics import CONFIDENCE, Effect, effects_among
-from sumo_reactive.lab.metric_names import EVERY
+from sumo_reactive.lab.metric_names import EVERY, metric_of
 from sumo_reactive.lab.schema import nearest
 from sumo_reactive.show.batch_trials import pairs_of, trials_in
 
@@ -50,13 +50,12 @@ def table_of(path: Path, form: Format, metrics: Sequence[str] = ()) -> str:
 
     What varies in the batch begins a part of the table. Raises StoreError or ScenarioError for what holds no pairs.
     """
-    for name in metrics:
-        if name not in EVERY:
-            raise ScenarioError(f"unknown metric '{name}'{nearest(name, EVERY)}")
     if path.is_dir():
+        _require_known(metrics, EVERY)
         found = {"": recorded_pairs(path)}
     else:
         with Results(path) as results:
+            _require_known(metrics, (*EVERY, *results.known))
             found = _stored_pairs(results, metrics)
     parts = {
         part: effects_among({name: pairs[name] for name in metrics or pairs if name in pairs})
@@ -65,6 +64,12 @@ def table_of(path: Path, form: Format, metrics: Sequence[str] = ()) -> str:
     if not any(parts.values()):
         raise ScenarioError(f"{path}: no trip that both drivers have driven with one seed, with such a metric")
     return {Format.LATEX: _latex, Format.MARKDOWN: _markdown, Format.CSV: _csv}[form](parts)
+
+
+def _require_known(metrics: Sequence[str], known: Collection[str]) -> None:
+    for name in metrics:
+        if name not in known:
+            raise ScenarioError(f"unknown metric '{name}'{nearest(name, known)}")
 
 
 def _stored_pairs(results: Results, metrics: Sequence[str]) -> dict[str, dict[str, list[tuple[float, float]]]]:
@@ -82,8 +87,9 @@ def _cells(name: str, effect: Effect) -> list[str]:
     found = effect.found
     ps = ("none" if p is None else "< 0.001" if p < 0.001 else f"{p:.3f}" for p in (effect.p, effect.corrected))
     return [
-        EVERY[name].title, str(found.n), figure_text(found.first), figure_text(found.second), signed_text(found.difference),
-        interval_text(found.interval), "none" if effect.size is None else f"{effect.size:+.2f}", *ps,
+        metric_of(name).title, str(found.n), figure_text(found.first), figure_text(found.second),
+        signed_text(found.difference), interval_text(found.interval),
+        "none" if effect.size is None else f"{effect.size:+.2f}", *ps,
     ]  # fmt: skip
 
 

@@ -77,7 +77,7 @@ def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
     users = _users(recording, steps)
     numbers = {name: k for k, name in enumerate(users["ids"])}
     behaviours = list(dict.fromkeys(steps["behaviour"]))
-    limits = recording.summary.get("ego_length_m"), recording.summary.get("ego_width_m")
+    limits = recording.summary.get("length_m"), recording.summary.get("width_m")
     return {
         "times": steps.times,
         "ego": {

@@ -19,6 +19,8 @@ def result(**others):
         "end_s": 35.0,
         "time_loss_s": 3.0,
         "distance_m": 200.0,
+        "length_m": 4.7,
+        "width_m": 1.8,
         "figures": {},
     }
     return TrialResult(**(values | others))

@@ -41,7 +41,7 @@ def side(driver: DriverChoice, duration: float, arrived: bool = True, loss: floa
     touched = tuple(Fault(1.0, COLLISION, "a", "lane") for _ in range(collisions))
     result = TrialResult(
         "a.sumocfg", "ego", "as named", 42, 0.1, "default", arrived, "arrived" if arrived else "until 600 s", 0.0, 5.0,
-        5.0 + duration, 1.0, 100.0, {"collisions": collisions}, faults=touched,
+        5.0 + duration, 1.0, 100.0, {"collisions": collisions}, faults=touched, length_m=4.7, width_m=1.8,
     )  # fmt: skip
     effects = NetworkEffects({"others_time_loss_s": loss, "others_stops": 2}, {"a": Arrival(loss, 1.0)})
     return Side(Outcome(Task(replace(SCENARIO, driver=driver)), Ending.DONE, result), effects)

@@ -19,7 +19,10 @@ HARD = (
     "x" * 301, "Cab", "cab", "CAB", "cab.", "cab ", ".hidden", "fleet.json", "summary.json", "report.html", "Fleet.JSON",
     "NUL", "com1.x", "a~b", "ümlaut", "自动车", "\udc80", "*", "?", '"', "<b>", "|", ":",
 )  # fmt: skip
-FILES = ["decisions.jsonl", "regions.json", "summary.json", "surroundings.json", "trajectory.parquet", "users.parquet"]
+FILES = [
+    "decisions.jsonl", "encounters.parquet", "regions.json", "summary.json", "surroundings.json", "trajectory.parquet",
+    "users.parquet",
+]  # fmt: skip
 
 
 def driven(folder, egos, **options):

@@ -21,7 +21,7 @@ PACKAGE = Path(sumo_reactive.__file__).parent
 HOME = Path(metric_names.__file__)
 UNIT_OF_ENDING = {
     "_g_per_km": "g/km", "_per_h": "1/h", "_m_s2": "m/s²", "_m_s3": "m/s³", "_m_s": "m/s",
-    "_us": "µs", "_km": "km", "_kg": "kg", "_nox_g": "g", "_s": "s",
+    "_rad_s2": "rad/s²", "_rad_s": "rad/s", "_s2": "s²", "_us": "µs", "_km": "km", "_kg": "kg", "_nox_g": "g", "_s": "s",
     "_m": "m",
 }  # fmt: skip
 """A longer ending comes first."""

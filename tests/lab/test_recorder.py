@@ -6,7 +6,7 @@ import math
 import duckdb
 import numpy as np
 import pytest
-from scenes import record
+from scenes import record, user
 
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
@@ -15,13 +15,17 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Interval, PostConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import OutputError, ScenarioError
+from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.fault import COLLISION, Fault
-from sumo_reactive.lab.recorder import COLUMNS, Recorder
+from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.result import TrialResult, rows_of
 from sumo_reactive.lab.trace import entries, entry_of, line_of, read_entries
 from sumo_reactive.sumo.launch import OptionOverride
 
-FILES = ["decisions.jsonl", "regions.json", "summary.json", "surroundings.json", "trajectory.parquet", "users.parquet"]
+FILES = [
+    "decisions.jsonl", "encounters.parquet", "regions.json", "summary.json", "surroundings.json", "trajectory.parquet",
+    "users.parquet",
+]  # fmt: skip
 
 
 def result(**others):
@@ -39,6 +43,8 @@ def result(**others):
         "end_s": 35.0,
         "time_loss_s": 3.0,
         "distance_m": 200.0,
+        "length_m": 4.7,
+        "width_m": 1.8,
         "figures": {"min_time_to_collision_s": math.inf, "collisions": 0},
     }
     return TrialResult(**(values | others))
@@ -217,3 +223,38 @@ def test_a_line_of_another_kind_is_refused_with_its_place(tmp_path, line, compla
     path.write_text(line, encoding="utf-8")
     with pytest.raises(ScenarioError, match=f"jsonl:{complaint}"):
         read_entries(path)
+
+
+def test_the_encounters_are_a_row_a_pair_and_step_with_every_measure(tmp_path):
+    """At 15 m/s behind one at 5 m/s, 50 m away; another comes from behind, a third is beside, a fourth far off."""
+    others = (
+        user("ahead", x=55.0, speed=5.0), user("behind", x=-20.0, speed=15.0), user("beside", y=2.4, speed=15.0),
+        user("elsewhere", y=30.0, speed=15.0),
+    )  # fmt: skip
+    recorder = Recorder(tmp_path / "out")
+    for k in range(2):
+        recorder.see(Scene(record(0.1 * k, speed=15.0), others))
+    recorder.write(result(length_m=5.0, width_m=1.8))
+    found = duckdb.read_parquet(str(tmp_path / "out" / "encounters.parquet"))
+    rows = [dict(zip(found.columns, row, strict=True)) for row in found.fetchall()]
+    assert [(row["time_s"], row["user_id"], row["relation"]) for row in rows[3:]] == [
+        (0.1, "ahead", "ahead"), (0.1, "behind", "behind"), (0.1, "beside", "beside"),
+    ]  # fmt: skip
+    ahead, behind, beside = rows[3:]
+    assert (ahead["gap_m"], ahead["time_to_collision_s"], ahead["ttc_along_s"], ahead["drac_m_s2"]) == (50.0, 5.0, 5.0, 1.0)
+    assert (behind["gap_m"], behind["ttc_along_s"], behind["drac_m_s2"]) == (15.0, None, 0.0)
+    assert behind["rss_distance_m"] == pytest.approx(15.0 * 2.0 + 0.5 * 3.5 * 4.0 + 22.0**2 / 8.0 - 15.0**2 / 16.0)
+    assert beside["lateral_gap_m"] == pytest.approx(0.6)
+    assert (beside["gap_m"], beside["drac_m_s2"]) == (None, None)
+    assert beside["rss_margin_m"] == pytest.approx(0.6 - 0.725)
+
+
+def test_who_follows_the_ego_has_the_modified_ttc_of_his_own_acceleration(tmp_path):
+    """He gains 0.2 m/s in a step of 0.1 s, and so 2 m/s², at the ego's speed then: 16 m are used up after 4 s."""
+    recorder = Recorder(tmp_path / "out")
+    for k, speed in enumerate((9.8, 10.0)):
+        recorder.see(Scene(record(0.1 * k, speed=10.0), (user(x=-21.0, speed=speed),)))
+    recorder.write(result(length_m=5.0, width_m=1.8))
+    found = duckdb.read_parquet(str(tmp_path / "out" / "encounters.parquet"))
+    rows = found.project("relation, modified_ttc_s").fetchall()
+    assert rows[1] == ("behind", pytest.approx(4.0))

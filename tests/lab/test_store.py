@@ -29,7 +29,7 @@ def done(one, duration, **more):
     result = TrialResult(
         scenario="four_way", ego="ego", chosen="as named", seed=1, step_length_s=0.1, profile="default", arrived=True,
         ended="arrived", begin_s=0.0, departure_s=1.0, end_s=1.0 + duration, time_loss_s=0.0, distance_m=1.0,
-        figures={"min_time_to_collision_s": None}, **more,
+        length_m=4.7, width_m=1.8, figures={"min_time_to_collision_s": None}, **more,
     )  # fmt: skip
     return Outcome(one.task, Ending.DONE, result, trajectory="digest", wall_s=0.1)
 

@@ -86,7 +86,7 @@ def test_the_player_gets_what_the_record_holds(record, scenes):
     assert len(data["times"]) == len(data["users"]["steps"]) == len(found)
     assert any(label.startswith("red: ") for _, some in data["constraints"] for *_, label in some)
     assert {name for _, letters in data["letters"] for name in letters} == {light[0] for light in data["lights"]}
-    assert data["ego"]["length"] == read_run(record).summary["ego_length_m"]
+    assert data["ego"]["length"] == read_run(record).summary["length_m"]
     assert all(len(row) % 5 == 0 for row in data["users"]["steps"])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -12,11 +12,20 @@ from pydantic import Field, field_validator
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ReactiveError, ScenarioError
-from sumo_reactive.files import text_of
 from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME, DriverChoice, DriverOption, chosen_driver
 from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS, NETWORK
-from sumo_reactive.lab.scenario import DriverName, Scenario, Seed, load_scenario, load_scenario_file, named_once, parameter
-from sumo_reactive.lab.schema import TomlTable, line_number_of, nearest, problem_at, read_toml
+from sumo_reactive.lab.own_metrics import merged
+from sumo_reactive.lab.scenario import (
+    DriverName,
+    Scenario,
+    Seed,
+    load_scenario,
+    load_scenario_file,
+    named_once,
+    own_metrics_of,
+    parameter,
+)
+from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, problem_in, read_toml
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 
 OURS = ("seed", "step-length")
@@ -40,14 +49,6 @@ class ExperimentKeys(TomlTable):
     delays: Delays | None = Field(default=None, strict=False)
     wall_limit_s: float = Field(default=600.0, gt=0.0)
     retries: int = Field(default=1, ge=0)
-
-    @field_validator("metrics")
-    @classmethod
-    def _known(cls, metrics: list[str]) -> list[str]:
-        for k, name in enumerate(metrics):
-            if name not in IN_BATCHES:
-                raise problem_at(k, f"unknown metric '{name}'{nearest(name, IN_BATCHES)}")
-        return metrics
 
     @field_validator("scenarios", "seeds", "drivers", "metrics")
     @classmethod
@@ -149,7 +150,7 @@ class Choice(NamedTuple):
 
 @dataclass(frozen=True)
 class Experiment:
-    """An experiment file as read; a path in it is relative to it."""
+    """An experiment file as read; a path in it is relative to it. `keys.metrics` are keys of metrics."""
 
     path: Path
     store: Path
@@ -163,7 +164,7 @@ class Experiment:
 
     def problem(self, keys: tuple[str | int, ...], message: str) -> ScenarioError:
         """Return the error that names the line of a key."""
-        return _problem(self.path, keys, message)
+        return problem_in(self.path, keys, message)
 
 
 def load_experiment(path: Path) -> Experiment:
@@ -174,6 +175,7 @@ def load_experiment(path: Path) -> Experiment:
     if file.egos.share is not None and "metrics" not in keys.model_fields_set:
         keys = keys.model_copy(update={"metrics": list(SHARE_METRICS)})
     choices = tuple(_choice(path, file, k, name) for k, name in enumerate(keys.scenarios))
+    keys, choices = _with_own(path, keys, choices, file.egos.share is not None)
     store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(STORE_SUFFIX)
     grid = {name: value if isinstance(value, list) else [value] for name, value in file.parameters.items()}
     options = {name: value if isinstance(value, list) else [value] for name, value in file.options.items()}
@@ -184,7 +186,7 @@ def _drivers(path: Path, file: ExperimentFile) -> tuple[DriverChoice, ...]:
     for name in file.driver_options:
         if name not in file.experiment.drivers:
             near = nearest(name, file.experiment.drivers)
-            raise _problem(path, ("driver_options", name), f"no driver of this experiment{near}")
+            raise problem_in(path, ("driver_options", name), f"no driver of this experiment{near}")
     folder = path.parent.absolute()
     return tuple(chosen_driver(name, file.driver_options.get(name, {}), folder) for name in file.experiment.drivers)
 
@@ -192,37 +194,37 @@ def _drivers(path: Path, file: ExperimentFile) -> tuple[DriverChoice, ...]:
 def _check_egos(path: Path, file: ExperimentFile) -> None:
     egos = file.egos
     if egos.names is not None and egos.drawn is not None:
-        raise _problem(path, ("egos", "drawn"), "there are 'names' already")
+        raise problem_in(path, ("egos", "drawn"), "there are 'names' already")
     if egos.names is not None and not egos.names:
-        raise _problem(path, ("egos", "names"), "names nobody: no trial is left")
+        raise problem_in(path, ("egos", "names"), "names nobody: no trial is left")
     for name, ids in (egos.names if isinstance(egos.names, dict) else {}).items():
         if name not in file.experiment.scenarios:
             near = nearest(name, file.experiment.scenarios)
-            raise _problem(path, ("egos", "names", name), f"no scenario of this experiment{near}")
+            raise problem_in(path, ("egos", "names", name), f"no scenario of this experiment{near}")
         if not ids:
-            raise _problem(path, ("egos", "names", name), "names nobody: no trial is left")
+            raise problem_in(path, ("egos", "names", name), "names nobody: no trial is left")
     _check_share(path, file)
     both = set(file.parameters) & set(file.samples.parameters if file.samples else ())
     for name in both:
-        raise _problem(path, ("samples", "parameters", name), "there is a grid of it already")
+        raise problem_in(path, ("samples", "parameters", name), "there is a grid of it already")
 
 
 def _check_share(path: Path, file: ExperimentFile) -> None:
     egos, keys = file.egos, file.experiment
     known = METRICS if egos.share is None else NETWORK
     for k, name in enumerate(keys.metrics if "metrics" in keys.model_fields_set else ()):
-        if name not in known:
+        if name in IN_BATCHES and name not in known:
             what = "a trip, and there is none with a 'share'" if egos.share else "a network, which takes [egos] share = […]"
-            raise _problem(path, ("experiment", "metrics", k), f"'{name}' is a metric of {what}")
+            raise problem_in(path, ("experiment", "metrics", k), f"'{name}' is a metric of {what}")
     if egos.share is None:
         return
     for name in ("names", "drawn"):
         if getattr(egos, name) is not None:
-            raise _problem(path, ("egos", "share"), f"there are '{name}' already")
+            raise problem_in(path, ("egos", "share"), f"there are '{name}' already")
     if "drivers" in keys.model_fields_set:
-        raise _problem(path, ("experiment", "drivers"), "with a 'share', who is no ego has SUMO's own driver")
+        raise problem_in(path, ("experiment", "drivers"), "with a 'share', who is no ego has SUMO's own driver")
     if keys.horizon_s is not None:
-        raise _problem(path, ("experiment", "horizon_s"), "with a 'share', all runs end at one time: 'until_s'")
+        raise problem_in(path, ("experiment", "horizon_s"), "with a 'share', all runs end at one time: 'until_s'")
 
 
 def _choice(path: Path, file: ExperimentFile, k: int, name: str) -> Choice:
@@ -232,12 +234,26 @@ def _choice(path: Path, file: ExperimentFile, k: int, name: str) -> Choice:
         scenario = load_scenario_file(source).scenario if is_ours else load_scenario(source)
         seeds = load_scenario_file(source).seeds if is_ours else (scenario.seed,)
     except ReactiveError as error:
-        raise _problem(path, ("experiment", "scenarios", k), str(error)) from error
+        raise problem_in(path, ("experiment", "scenarios", k), str(error)) from error
     names = file.egos.names
     egos = names.get(name, []) if isinstance(names, dict) else names or []
     return Choice(name, scenario, tuple(egos), tuple(keys.seeds or seeds))
 
 
-def _problem(path: Path, keys: tuple[str | int, ...], message: str) -> ScenarioError:
-    line = line_number_of(text_of(path), keys)
-    return ScenarioError(f"{path}{f':{line}' if line else ''}: key '{'.'.join(map(str, keys))}': {message}")
+def _with_own(
+    path: Path, keys: ExperimentKeys, choices: tuple[Choice, ...], is_share: bool
+) -> tuple[ExperimentKeys, tuple[Choice, ...]]:
+    """Return the metrics to show by their keys, and scenarios that measure the user's own among them as well."""
+    place = ("experiment", "metrics")
+    theirs = {source.name for choice in choices for source in choice.scenario.metrics}
+    asked = {k: name for k, name in enumerate(keys.metrics) if name not in IN_BATCHES and name not in theirs}
+    own = own_metrics_of(path, place, asked)
+    names = dict(enumerate(keys.metrics)) | dict(zip(asked, (source.name for source in own), strict=True))
+    if is_share and not set(names.values()) <= set(NETWORK):
+        raise problem_in(path, place, "a metric of one's own is of a trip, and there is none with a 'share'")
+    try:
+        measured = [replace(one.scenario, metrics=merged(one.scenario.metrics, own)) for one in choices]
+    except ScenarioError as error:
+        raise problem_in(path, place, str(error)) from error
+    shown = keys.model_copy(update={"metrics": list(names.values())})
+    return shown, tuple(one._replace(scenario=scenario) for one, scenario in zip(choices, measured, strict=True))

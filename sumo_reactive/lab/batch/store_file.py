@@ -13,7 +13,7 @@ from typing import Any, Self
 import duckdb
 
 from sumo_reactive.errors import InputError, StoreError
-from sumo_reactive.lab.metric_names import IN_BATCHES
+from sumo_reactive.lab.own_metrics import OWN_NAME
 from sumo_reactive.lab.tables import opened, require_regular
 from sumo_reactive.lab.task import Ending, Outcome
 from sumo_reactive.lab.trace import line_of
@@ -56,7 +56,7 @@ def _words(values: Iterable[str]) -> str:
 _TEXTS = ("key", "scenario", "driver", "parameters", "options", "ending", "reason", "replay")
 _WRONG = {
     "plan": "number IS NULL",
-    "shown": f"number IS NULL OR name IS NULL OR name NOT IN ({_words(IN_BATCHES)})",
+    "shown": f"number IS NULL OR name IS NULL OR NOT regexp_full_match(name, '{OWN_NAME.pattern}')",
     "trials": " OR ".join(
         [
             *(f"{name} IS NULL OR length({name}) > {MAX_LETTERS}" for name in _TEXTS),

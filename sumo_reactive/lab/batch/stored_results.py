@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +14,7 @@ from sumo_reactive.errors import StoreError
 from sumo_reactive.lab.batch.store_file import StoreFile, told
 from sumo_reactive.lab.comparison.statistics import ConfidenceInterval, interval_of
 from sumo_reactive.lab.metric_names import IN_BATCHES
+from sumo_reactive.lab.own_metrics import OWN_NAME, TAKEN
 from sumo_reactive.lab.schema import nearest
 from sumo_reactive.lab.tables import as_os_errors
 from sumo_reactive.writing import whole_file
@@ -67,9 +69,15 @@ class Results(StoreFile):
     def metrics(self, asked: Sequence[str]) -> list[str]:
         """Return the metrics to show: those asked for, else those that the experiment names."""
         for name in asked:
-            if name not in IN_BATCHES:
-                raise StoreError(f"unknown metric '{name}'{nearest(name, IN_BATCHES)}")
+            if name not in self.known:
+                raise StoreError(f"unknown metric '{name}'{nearest(name, self.known)}")
         return list(asked) or [name for (name,) in self.rows("SELECT name FROM shown ORDER BY number")]
+
+    @cached_property
+    def known(self) -> tuple[str, ...]:
+        """The metrics that a trial may have, and those of users' own that are stored."""
+        own = (name for (name,) in self.rows("SELECT DISTINCT name FROM metrics ORDER BY name") if OWN_NAME.fullmatch(name))
+        return *IN_BATCHES, *(name for name in own if name not in IN_BATCHES and name not in TAKEN)
 
     @property
     def progress(self) -> tuple[int, int]:

@@ -91,6 +91,7 @@ def key_of(task: Task) -> str:
         "driver_sources": digest_of_driver(scenario.driver),
         SHARE: task.share,
         "parameters": scenario.parameters.varied,
+        "metrics": {source.name: source.digest for source in scenario.metrics},
         "versions": release(),
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
@@ -197,7 +198,8 @@ def _shares(experiment: Experiment, shares: Sequence[float]) -> Iterator[Trial]:
     ):
         for share, seed in itertools.product(shares, choice.seeds):
             one = _trial(experiment, choice, (seed, None, REACTIVE), point, options)
-            scenario = replace(one.task.scenario, sumo_options=_words(options))  # outputs are dealt with where it is run
+            # outputs are dealt with where it is run; of a trip's own metrics there is none
+            scenario = replace(one.task.scenario, sumo_options=_words(options), metrics=())
             yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, share))
 
 

@@ -136,7 +136,10 @@ CHUNK = 500_000
 
 
 class PostEncroachment:
-    """Keeps where the ego and the users near it were; lays them on a grid of 0.5 m at the end."""
+    """PET, from when one leaves a cell of 0.5 m to when the other enters it with a crossing heading (s; Allen et al. 1978).
+
+    Where the ego and the users near it were is kept, and laid on the grid at the end.
+    """
 
     def __init__(self, length: float, width: float) -> None:
         self._size = (length, width)

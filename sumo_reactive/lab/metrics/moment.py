@@ -40,6 +40,15 @@ def contacts(own: Floats, boxes: Floats) -> Floats:
 
 
 @kernel
+def meetings(owns: Floats, boxes: Floats) -> Floats:
+    """Return (n,): the time to collision (s) of each of `owns` (n, 6) with its one of `boxes` (n, 6), as `contacts` does."""
+    out = np.empty(len(boxes))
+    for k in range(len(boxes)):
+        out[k] = _meeting(owns[k], boxes[k])[1]
+    return out
+
+
+@kernel
 def _meeting(own: Floats, other: Floats) -> tuple[float, float]:
     """Return what `contacts` does of one box: (overlap, time)."""
     dx, dy = _middle(other, 0) - _middle(own, 0), _middle(other, 1) - _middle(own, 1)
@@ -84,22 +93,38 @@ JUDGED_REACH_M = 80.0
 GHOST = "reactive.ghost."
 
 
-class Moment(NamedTuple):
-    """A step as the judges see it.
+class Nearby(NamedTuple):
+    """Who is near the ego after a step.
 
     `duration` is the time since the last step (s, NaN at first), `acceleration` the ego's since then (m/s²). `users` are
-    all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `times_to_collision` what it says (s,
-    infinite: none). `touching` are those, of all that are beside, whose box and the ego's overlap. `slowing` maps those that
-    slow down to their acceleration (m/s², negative). `crossed` and `world` are the scene's.
+    all near; `boxes` (n, 6) holds their front x, y, heading, speed, length, width, `accelerations` (n,) how they gained
+    speed since the last step (m/s², NaN: was not near then).
     """
 
     step: StepRecord
     duration: float
     acceleration: float
-    length: float
-    width: float
     users: tuple[RoadUser, ...]
     boxes: Floats
+    accelerations: Floats
+
+
+class Moment(NamedTuple):
+    """A step as the judges see it, by an ego of a `length` and `width` (m).
+
+    The first are those of `Nearby`. `times_to_collision` are those with its `boxes` (s, infinite: none). `touching` are
+    those, of all that are beside, whose box and the ego's overlap. `slowing` maps those that slow down to their
+    acceleration (m/s², negative). `crossed` and `world` are the scene's.
+    """
+
+    step: StepRecord
+    duration: float
+    acceleration: float
+    users: tuple[RoadUser, ...]
+    boxes: Floats
+    accelerations: Floats
+    length: float
+    width: float
     touching: frozenset[str]
     times_to_collision: Sequence[float]
     slowing: Mapping[str, float]
@@ -112,36 +137,49 @@ class Moment(NamedTuple):
         return min(self.slowing.values(), default=0.0)
 
 
-_NO_BOXES = np.empty((0, 6))
+_NO_BOXES, _NOTHING = np.empty((0, 6)), np.empty(0)
 _NOBODY: frozenset[str] = frozenset()
 
 
+class Neighbourhood:
+    """Looks who is near; remembers who was there last."""
+
+    def __init__(self) -> None:
+        self._last: StepRecord | None = None
+        self._users: Mapping[str, RoadUser] = {}
+
+    def look(self, scene: Scene) -> Nearby:
+        """Return who is near in `scene`."""
+        step, last = scene.step, self._last
+        duration = step.time - last.time if last else math.nan
+        acceleration = (step.speed - last.speed) / duration if last else math.nan
+        near, before = _near(scene.users, step.x, step.y), self._users
+        changes = [_change(before[user.id], user, duration) if user.id in before else math.nan for user in near]
+        self._last, self._users = step, {user.id: user for user in near}
+        boxes = (_boxes(near), np.array(changes)) if near else (_NO_BOXES, _NOTHING)
+        return Nearby(step, duration, acceleration, near, *boxes)
+
+
 class Watch:
-    """Makes moments of scenes; remembers who was there last."""
+    """Makes moments of scenes."""
 
     def __init__(self, length: float, width: float) -> None:
         self._length, self._width = length, width
-        self._last: StepRecord | None = None
-        self._users: Mapping[str, RoadUser] = {}
+        self._neighbourhood = Neighbourhood()
         contacts(np.ones(6), np.ones((1, 6)))  # loads the kernel before the clock of the run starts
 
     def moment(self, scene: Scene) -> Moment:
         """Return what there is to judge in `scene`."""
-        step, last = scene.step, self._last
-        duration = step.time - last.time if last else math.nan
-        acceleration = (step.speed - last.speed) / duration if last else math.nan
-        near = _near(scene.users, step.x, step.y)
-        boxes = _boxes(near) if near else _NO_BOXES
-        touching, times = self._contacts(step, near, boxes) if near else (_NOBODY, ())
+        nearby = self._neighbourhood.look(scene)
+        step, near = scene.step, nearby.users
+        touching, times = self._contacts(step, near, nearby.boxes) if near else (_NOBODY, ())
         known = {user.id for user in near}
         others = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
         if others:
             touching |= self._contacts(step, others, _boxes(others))[0]
-        changes = ((user.id, _change(self._users[user.id], user, duration)) for user in near if user.id in self._users)
-        slowing = {name: change for name, change in changes if change < 0.0}
-        self._last, self._users = step, {user.id: user for user in near}
-        seen = self._length, self._width, near, boxes, touching, times, slowing
-        return Moment(step, duration, acceleration, *seen, scene.crossed, scene.world)
+        changes = zip(near, nearby.accelerations.tolist(), strict=True)
+        slowing = {user.id: change for user, change in changes if change < 0.0}
+        return Moment(*nearby, self._length, self._width, touching, times, slowing, scene.crossed, scene.world)
 
     def _contacts(
         self, step: StepRecord, users: tuple[RoadUser, ...], boxes: Floats
