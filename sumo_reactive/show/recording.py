@@ -33,7 +33,8 @@ _Corner = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _Regions = dict[str, Annotated[list[_Corner], Field(min_length=1)]]
 _Numbers, _Gaps, _Texts = list[Number], list[Number | None], list[str]
 _COLUMNS: dict[str, Any] = {
-    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "s_m", "desired_speed_m_s", "u", "u1", "u2", "u3"), _Numbers),
+    **dict.fromkeys(("time_s", "x_m", "y_m", "heading_rad", "speed_m_s", "s_m", "desired_speed_m_s"), _Numbers),
+    **dict.fromkeys(("u", "u1", "u2", "u3"), _Numbers),
     **dict.fromkeys(("stop_m", "gap_m"), _Gaps),
     **dict.fromkeys(("lane_id", "leader"), _Texts),
     "behaviour": list[Annotated[str, AfterValidator(lambda name: Behaviour(name).value)]],
