@@ -49,7 +49,10 @@ class DelaysName(StrEnum):
     REPLAN = "replan"
 
 
-@app.command(epilog="Options after -- go to SUMO unchanged.")
+_EXAMPLE = "Example: sumo-reactive run my.sumocfg --ego veh_12 --out DIR -- --tripinfo-output t.xml"
+
+
+@app.command(epilog=f"Options after -- go to SUMO unchanged. {_EXAMPLE}")
 def run(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
