@@ -58,8 +58,8 @@ class Started(NamedTuple):
 
 
 @contextlib.contextmanager
-def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[Started]:
-    """Start SUMO with the scenario, and `more_options` of its own; close it at the end.
+def started(scenario: Scenario, more_options: Sequence[str] = (), *, has_window: bool = False) -> Iterator[Started]:
+    """Start SUMO with the scenario, and `more_options` of its own, or with its window; close it at the end.
 
     Raises ScenarioError for what SUMO cannot run.
     """
@@ -70,7 +70,7 @@ def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[St
     arguments, changed = sumo_arguments(
         config, runnable, seed=scenario.seed, step_length_s=step_length, sumo_options=options
     )
-    with Session(arguments) as session:
+    with Session(arguments, has_window=has_window) as session:
         yield Started(session, config, (*changed, *left_out), session.time)
 
 
@@ -213,15 +213,15 @@ class Simulation:
 
 
 def run_trial(
-    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
+    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None, has_window: bool = False
 ) -> TrialResult:
     """Run the scenario in this process until the ego has arrived; return the judged result.
 
     `observer` gets every scene, `progress` simulation time (s) and a text. Raises ScenarioError or NetworkError for what
-    cannot be run, SimulationError if SUMO fails on the way.
+    cannot be run, SimulationError if SUMO fails on the way, WindowClosedError if it `has_window` and that is closed.
     """
     net = read_net(read_config(scenario.config).net_file)
-    with started(scenario) as start:
+    with started(scenario, has_window=has_window) as start:
         simulation = Simulation(
             start, scenario, lambda ego: Trip(start.session, ego, net, scenario, Sensor(scenario.obstacle_polygons)),
             observer, progress,
@@ -254,7 +254,7 @@ def run_sumo_driver(
 
 def run_fleet(
     scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None,
-    may_be_nobody: bool = False,
+    may_be_nobody: bool = False, has_window: bool = False,
 ) -> FleetResult:  # fmt: skip
     """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
 
@@ -263,7 +263,7 @@ def run_fleet(
     `may_be_nobody`.
     """
     began = clock.perf_counter()
-    with started(scenario) as start:
+    with started(scenario, has_window=has_window) as start:
         worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
         simulation = Simulation(
             start, scenario, lambda ego: Trip(start.session, ego, worlds, scenario, sensor),

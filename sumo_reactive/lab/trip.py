@@ -104,7 +104,7 @@ class Trip:
         """Verify what the simulation step has made of the command, plan anew where needed, observe."""
         step, world = self._step, self._driving.graph
         lane_id = self._mapped = self._ego.lane(step.drive.ego)
-        light = self._light_crossed(step)
+        plan, light = self._driving.drive.plan, self._light_crossed(step)
         self._count(step)
         self._go_on(self._driving.after(step, self._session.time))
         self._traffic = self._observe()
@@ -114,7 +114,7 @@ class Trip:
         front = front_of(step.drive.ego.pose, self.limits)
         record = _record(step, self._session.time, front, lane_id, light, self._control_us)
         crossed = self._stop_lines.crossed(lane_id)
-        return Scene(record, self._traffic.users, crossed, self._bystanders.look(), self.id, world)
+        return Scene(record, self._traffic.users, crossed, self._bystanders.look(), self.id, world, plan)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""

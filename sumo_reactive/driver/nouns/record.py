@@ -7,6 +7,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.decision import Decision, RegionState
 from sumo_reactive.driver.nouns.event import Event
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -68,7 +69,8 @@ class Scene(NamedTuple):
 
     `crossed`: the letters, before the step and in it, of a light whose stop line the ego crosses (empty: none crossed).
     `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not. `world`: the roads
-    around the route on which the step was driven (None: nobody knows them).
+    around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force (None:
+    its driver has none).
     """
 
     step: StepRecord
@@ -77,3 +79,4 @@ class Scene(NamedTuple):
     beside: tuple[RoadUser, ...] = ()
     ego: str = ""
     world: RoadGraph | None = None
+    plan: NominalPlan | None = None
