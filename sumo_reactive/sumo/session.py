@@ -38,8 +38,7 @@ class Session:
         self._loaded = False
 
     def __enter__(self) -> Session:
-        with tempfile.TemporaryFile() as heard, tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
-            program = window_arguments(Path(folder, "window.xml")) if self._has_window else ["sumo"]
+        with tempfile.TemporaryFile() as heard, _program(self._has_window) as program:
             before = threads_here()
             try:
                 with _standard_error_to(heard):
@@ -149,6 +148,16 @@ def is_road_car(vehicle_id: str) -> bool:
 def sumo_version() -> str:
     """Return the version of the SUMO library in use."""
     return str(libsumo.getVersion()[1])
+
+
+@contextmanager
+def _program(has_window: bool) -> Iterator[list[str]]:
+    """Give what SUMO is called with; a window reads how it looks from a file that is gone when SUMO has started."""
+    if not has_window:
+        yield ["sumo"]
+        return
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        yield window_arguments(Path(folder, "window.xml"))
 
 
 @contextmanager
