@@ -45,6 +45,12 @@ class PlanError(InputError):
     """A route that no lane sequence connects."""
 
 
+class WindowClosedError(ReactiveError):
+    """Somebody has closed SUMO's window while the simulation ran: the run ends as if interrupted (exit code 130)."""
+
+    exit_code = 130
+
+
 class SimulationError(ReactiveError):
     """SUMO failed while the simulation ran (exit code 3)."""
 

@@ -37,7 +37,7 @@ DriverOptions = Annotated[
 ]
 """The option `--driver-option` of a command."""
 
-app = typer.Typer(name="sumo-reactive", add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(name="sumo-reactive", pretty_exceptions_enable=False, rich_markup_mode=None)
 
 
 def _show_version(asked: bool) -> None:

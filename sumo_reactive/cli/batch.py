@@ -26,7 +26,7 @@ _FAILURES_SHOWN = 8
 """So many of the last trials without a result are shown."""
 
 
-@app.command()
+@app.command(epilog="Example: sumo-reactive batch EXPERIMENT.toml --workers 4")
 def batch(
     file: Annotated[Path, typer.Argument(metavar="EXPERIMENT.toml", help="the experiment file")],
     workers: Annotated[int | None, typer.Option(min=1, help="processes on this machine; else one a core")] = None,

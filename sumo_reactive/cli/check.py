@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from sumo_reactive.lab.check import Verdict
 
 
-@app.command()
+@app.command(epilog="Example: sumo-reactive check scenarios/ --jobs 2 --junit verdicts.xml --out failed")
 def check(
     paths: Annotated[list[Path], typer.Argument(metavar="PATH...", help="scenario .toml files, or folders that hold some")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="write the verdicts as JUnit XML")] = None,

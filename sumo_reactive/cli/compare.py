@@ -38,7 +38,10 @@ _HORIZON_S = 600.0
 _MAX_SEED = 2**31 - 1
 
 
-@app.command("compare", epilog="Options after -- go to SUMO unchanged, in both runs.")
+_EXAMPLE = "Example: sumo-reactive compare my.sumocfg --ego veh_12 --out DIR"
+
+
+@app.command("compare", epilog=f"Options after -- go to SUMO unchanged, in both runs. {_EXAMPLE}")
 def compare_drivers(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],

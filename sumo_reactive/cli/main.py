@@ -44,9 +44,9 @@ def main() -> NoReturn:
         split = arguments.index("--") if "--" in arguments else len(arguments)
         code = _exit_code(arguments[:split], arguments[split + 1 :], interrupts)
     except KeyboardInterrupt:
-        code = _INTERRUPTED
+        interrupts.requested, code = True, _INTERRUPTED
     interrupts.end()
-    raise SystemExit(_fail("interrupted", code) if code == _INTERRUPTED else code)
+    raise SystemExit(_fail("interrupted", code) if code == _INTERRUPTED and interrupts.requested else code)
 
 
 def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interrupts) -> int:

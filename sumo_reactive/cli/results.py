@@ -24,7 +24,7 @@ MOST_ROWS = 10_000
 """So many rows of a query are shown."""
 
 
-@app.command()
+@app.command(epilog="Example: sumo-reactive results STORE.duckdb --metric time_loss_s")
 def results(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="the store (.duckdb) that batch has written")],
     metric: Annotated[list[str] | None, typer.Option(help="show this metric; else those of the experiment")] = None,

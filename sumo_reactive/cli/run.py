@@ -26,9 +26,11 @@ from sumo_reactive.cli.app import (
 )
 
 if TYPE_CHECKING:
+    from sumo_reactive.driver.nouns.record import Scene
     from sumo_reactive.lab.egos import EgoRule
     from sumo_reactive.lab.result import FleetResult, TrialResult
     from sumo_reactive.lab.scenario import Scenario
+    from sumo_reactive.lab.simulation import SceneObserver
 
 
 _EGOS_SHOWN = 20
@@ -52,7 +54,10 @@ class DelaysName(StrEnum):
     REPLAN = "replan"
 
 
-@app.command(epilog="Options after -- go to SUMO unchanged.")
+_EXAMPLE = "Example: sumo-reactive run my.sumocfg --ego veh_12 --out DIR -- --tripinfo-output t.xml"
+
+
+@app.command(epilog=f"Options after -- go to SUMO unchanged. {_EXAMPLE}")
 def run(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
@@ -75,6 +80,8 @@ def run(
     out: Annotated[Path | None, typer.Option(help="folder for summary, trajectory and decisions")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another run in that folder")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print the verdict only")] = False,
+    gui: Annotated[bool, typer.Option("--gui", help="watch it in SUMO's own window")] = False,
+    gui_speed: Annotated[float, typer.Option(min=0.01, max=1000.0, help="times faster than life in the window")] = 1.0,
 ) -> int:
     """Let the ego drive to its goal in a SUMO scenario, and judge the trip; or several egos at once."""
     from sumo_reactive.driver.controller import Profile
@@ -91,7 +98,7 @@ def run(
         sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
     rule = _rule(scenario, named, ego_type or [], ego_probability)
-    return _drive(scenario, rule, out, overwrite, quiet)
+    return _drive(scenario, rule, out, overwrite, quiet, gui_speed if gui else None)
 
 
 def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None) -> EgoRule | None:
@@ -107,7 +114,9 @@ def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probabil
     return None
 
 
-def _drive(scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite: bool, quiet: bool) -> int:
+def _drive(
+    scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite: bool, quiet: bool, gui_speed: float | None
+) -> int:
     """Drive one ego, or those that the rule chooses; show and record what comes of it; return the exit code."""
     from sumo_reactive.lab.recorder import FleetRecorder, Recorder
     from sumo_reactive.lab.simulation import run_fleet, run_trial
@@ -116,14 +125,32 @@ def _drive(scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite
     drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)
     show: Callable[[Any, bool], None] = _show_several if rule else _show
     recorder: Any = (FleetRecorder if rule else Recorder)(out, overwrite=overwrite) if out else None
+    observer = _watched(recorder.see if recorder else None, gui_speed)
     note_compiling()
     with progress_shown(quiet) as progress, crashes_told():
-        result: Any = drive(observer=recorder.see if recorder else None, progress=progress)
+        result: Any = drive(observer=observer, progress=progress, has_window=gui_speed is not None)
     show(result, quiet)
     if recorder:
         with figures_kept(quiet, lambda: show(result, False)):
             recorder.write(result)
     return int(result.exit_code)
+
+
+def _watched(observer: SceneObserver | None, gui_speed: float | None) -> SceneObserver | None:
+    """Return an observer that shows each scene in SUMO's window, too, if there is one, `gui_speed` times as fast as life."""
+    if gui_speed is None:
+        return observer
+    from sumo_reactive.show.page import BEHAVIOUR_COLOURS
+    from sumo_reactive.sumo.window import Window
+
+    window = Window({behaviour.value: colour for behaviour, colour in BEHAVIOUR_COLOURS.items()}, gui_speed)
+
+    def see(scene: Scene) -> None:
+        if observer is not None:
+            observer(scene)
+        window.see(scene)
+
+    return see
 
 
 def _show(result: TrialResult, quiet: bool) -> None:

@@ -11,7 +11,7 @@ import typer
 from sumo_reactive.cli.app import app
 
 
-@app.command()
+@app.command(epilog="Example: sumo-reactive explain DIR --at 75")
 def explain(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="folder that a run has written with --out")],
     at: Annotated[float | None, typer.Option(help="tell all that was in force at this simulation time, s")] = None,
@@ -36,7 +36,7 @@ def explain(
     return 0
 
 
-@app.command()
+@app.command(epilog="Example: sumo-reactive report DIR")
 def report(
     path: Annotated[Path, typer.Argument(metavar="PATH", help="the store of a batch (.duckdb), or a folder of run --out")],
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="else beside the store, or in the folder")] = None,
@@ -59,7 +59,7 @@ class FormatName(StrEnum):
     CSV = "csv"
 
 
-@app.command("table")
+@app.command("table", epilog="Example: sumo-reactive table STORE.duckdb --format latex --out table.tex")
 def paper_table(
     path: Annotated[Path, typer.Argument(metavar="PATH", help="store of a batch (.duckdb), or folder of compare --out")],
     form: Annotated[FormatName, typer.Option("--format", help="latex (booktabs), md or csv")] = FormatName.MD,

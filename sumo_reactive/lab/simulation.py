@@ -62,8 +62,8 @@ class Started(NamedTuple):
 
 
 @contextlib.contextmanager
-def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[Started]:
-    """Start SUMO with the scenario, and `more_options` of its own; close it at the end.
+def started(scenario: Scenario, more_options: Sequence[str] = (), *, has_window: bool = False) -> Iterator[Started]:
+    """Start SUMO with the scenario, and `more_options` of its own, or with its window; close it at the end.
 
     Raises ScenarioError for what SUMO cannot run.
     """
@@ -74,7 +74,7 @@ def started(scenario: Scenario, more_options: Sequence[str] = ()) -> Iterator[St
     arguments, changed = sumo_arguments(
         config, runnable, seed=scenario.seed, step_length_s=step_length, sumo_options=options
     )
-    with Session(arguments) as session:
+    with Session(arguments, has_window=has_window) as session:
         yield Started(session, config, (*changed, *left_out), session.time)
 
 
@@ -226,17 +226,17 @@ class Simulation:
 
 
 def run_trial(
-    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
+    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None, has_window: bool = False
 ) -> TrialResult:
     """Run the scenario in this process until the ego has arrived, with the driver that it names; return the judged result.
 
     `observer` gets every scene, `progress` simulation time (s) and a text. Raises ScenarioError or NetworkError for what
-    cannot be run, SimulationError if SUMO fails on the way.
+    cannot be run, SimulationError if SUMO fails on the way, WindowClosedError if it `has_window` and that is closed.
     """
     if scenario.driver == SUMO:
-        return run_sumo_driver(scenario, observer=observer, progress=progress)
+        return run_sumo_driver(scenario, observer=observer, progress=progress, has_window=has_window)
     net, taken_over = read_net(read_config(scenario.config).net_file), taking_over(scenario)
-    with started(scenario) as start:
+    with started(scenario, has_window=has_window) as start:
         simulation = Simulation(
             start, scenario, lambda ego: taken_over(start.session, ego, net, Sensor(scenario.obstacle_polygons)),
             observer, progress,
@@ -256,7 +256,7 @@ def taking_over(scenario: Scenario) -> Callable[[Session, str, WorldSource, Sens
 
 
 def run_sumo_driver(
-    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None
+    scenario: Scenario, *, observer: SceneObserver | None = None, progress: Progress | None = None, has_window: bool = False
 ) -> TrialResult:
     """Run the scenario in this process with the ego in SUMO's hands until it has arrived; return the judged result.
 
@@ -266,7 +266,7 @@ def run_sumo_driver(
     """
     with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
         options, trips = trip_output(scenario.sumo_options, Path(folder))
-        with started(scenario, options) as start:
+        with started(scenario, options, has_window=has_window) as start:
             session, net_file = start.session, start.config.net_file
             stuck_s = scenario.parameters.stuck_s
             simulation = Simulation(
@@ -278,7 +278,7 @@ def run_sumo_driver(
 
 def run_fleet(
     scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None,
-    may_be_nobody: bool = False,
+    may_be_nobody: bool = False, has_window: bool = False,
 ) -> FleetResult:  # fmt: skip
     """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
 
@@ -287,7 +287,7 @@ def run_fleet(
     `may_be_nobody`.
     """
     began, taken_over = clock.perf_counter(), taking_over(scenario)
-    with started(scenario) as start:
+    with started(scenario, has_window=has_window) as start:
         worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
         simulation = Simulation(
             start, scenario, lambda ego: taken_over(start.session, ego, worlds, sensor), observer, progress, rule,

@@ -61,8 +61,8 @@ class SurroundingsRecord:
             self._worlds.append(scene.world)
         if scene.lights and (not self._letters or self._letters[-1][1] != scene.lights):
             self._letters.append((step.time, dict(scene.lights)))
-        if scene.curve is not None and (not self._curves or self._curves[-1][1] is not scene.curve):
-            self._curves.append((step.time, scene.curve))
+        if scene.plan is not None and (not self._curves or self._curves[-1][1] is not scene.plan.curve):
+            self._curves.append((step.time, scene.plan.curve))
         self._keep_constraints(scene)
         if scene.field is not None and (field := scene.field()) is not None:
             self._fields.append(_field(step.time, field))
@@ -81,10 +81,10 @@ class SurroundingsRecord:
         (folder / SURROUNDINGS).write_text(text + "\n", encoding="utf-8")
 
     def _keep_constraints(self, scene: Scene) -> None:
-        if scene.curve is None:
+        if scene.plan is None:
             return
         found = [
-            [*_rounded(*scene.curve.at(one.s)), _finite(one.time), one.reason.value, one.cause or one.region]
+            [*_rounded(*scene.plan.curve.at(one.s)), _finite(one.time), one.reason.value, one.cause or one.region]
             for one in scene.step.constraints
         ]
         if not self._constraints or self._constraints[-1][1] != found:

@@ -110,7 +110,7 @@ class Trip:
         """Verify what the simulation step has made of the command, plan anew where needed, observe."""
         step, world = self._step, self._driving.graph
         lane_id = self._mapped = self._ego.lane(step.drive.ego)
-        light = self._light_crossed(step)
+        plan, light = self._driving.drive.plan, self._light_crossed(step)
         self._count(step)
         self._go_on(self._driving.after(step, self._session.time))
         self._traffic = self._observe()
@@ -120,11 +120,11 @@ class Trip:
         front = front_of(step.drive.ego.pose, self.limits)
         record = _record(step, self._session.time, front, lane_id, light, self._control_us)
         crossed = self._stop_lines.crossed(lane_id)
-        beside, traffic, curve = self._bystanders.look(), self._traffic, step.drive.plan.curve
+        beside, traffic = self._bystanders.look(), self._traffic
         period = min(self._session.step_length, self.limits.parameters.control_period_s)
         has_field = step.runs and self.profile == Profile.DEFAULT.value
         field = partial(field_over, step.snapshot, step.completed, self.limits, period) if has_field else None
-        return Scene(record, traffic.users, crossed, beside, self.id, world, traffic.lights, curve, field)
+        return Scene(record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""

@@ -15,9 +15,11 @@ from typing import IO
 
 import libsumo
 
-from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.errors import ScenarioError, SimulationError, WindowClosedError
 from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
+from sumo_reactive.sumo.waking import threads_here, woken
+from sumo_reactive.sumo.window import window_arguments
 
 _ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
 
@@ -25,29 +27,37 @@ Progress = Callable[[float, str], None]
 
 
 class Session:
-    """Context manager around libsumo; what SUMO says of an error becomes a SimulationError with SUMO's own words."""
+    """Context manager around libsumo; what SUMO says of an error becomes a SimulationError with SUMO's own words.
 
-    def __init__(self, arguments: Sequence[str]) -> None:
-        self._arguments = ["sumo", *arguments]
+    With a window, closing it ends the simulation with a WindowClosedError.
+    """
+
+    def __init__(self, arguments: Sequence[str], *, has_window: bool = False) -> None:
+        self._arguments, self._has_window = arguments, has_window
+        self._window_threads = frozenset[int]()
         self._loaded = False
 
     def __enter__(self) -> Session:
-        with tempfile.TemporaryFile() as heard:
+        with tempfile.TemporaryFile() as heard, _program(self._has_window) as program:
+            before = threads_here()
             try:
                 with _standard_error_to(heard):
-                    libsumo.start(self._arguments)
+                    libsumo.start([*program, *self._arguments])
             except (*_ERRORS, RuntimeError) as error:
                 reason = _first_error(heard) or " ".join(str(error).split()) or type(error).__name__
                 raise ScenarioError(f"SUMO rejects the scenario: {reason}") from error
             if not libsumo.isLoaded():
                 raise ScenarioError(f"SUMO rejects the scenario: {_first_error(heard) or 'it ends before it loads'}")
-            sys.stderr.write(_text_of(heard))
+            sys.stderr.write("" if self._has_window else _text_of(heard))  # toolkits have much to say
+            self._window_threads = threads_here() - before if self._has_window else self._window_threads
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
         time = self._time_if_known()
-        with contextlib.suppress(*_ERRORS):
+        with contextlib.suppress(*_ERRORS), woken(self._window_threads):
             libsumo.close()
+        if self._has_window and not time and isinstance(value, (*_ERRORS, RuntimeError, SimulationError)):
+            raise WindowClosedError("SUMO's window was closed") from value
         if isinstance(value, _ERRORS) or (type(value) is RuntimeError and _is_from_sumo(value)):
             said = (line.strip() for line in str(value).splitlines() if line.strip())
             raise SimulationError(f"SUMO failed{time}: {next(said, type(value).__name__)}") from value
@@ -138,6 +148,16 @@ def is_road_car(vehicle_id: str) -> bool:
 def sumo_version() -> str:
     """Return the version of the SUMO library in use."""
     return str(libsumo.getVersion()[1])
+
+
+@contextmanager
+def _program(has_window: bool) -> Iterator[list[str]]:
+    """Give what SUMO is called with; a window reads how it looks from a file that is gone when SUMO has started."""
+    if not has_window:
+        yield ["sumo"]
+        return
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        yield window_arguments(Path(folder, "window.xml"))
 
 
 @contextmanager

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Decision, RegionState
 from sumo_reactive.driver.nouns.event import Event
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -90,8 +90,8 @@ class Scene(NamedTuple):
 
     `crossed`: the letters, before the step and in it, of a light whose stop line the ego crosses (empty: none crossed).
     `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not. `world`: the roads
-    around the route on which the step was driven (None: nobody knows them). `lights`: the letters that the driver sees, by
-    light. `curve`: C, on which the record's places are (None: there is none). `field` works out U over the commands among
+    around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force (None:
+    its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands among
     which this step's was chosen, where the pilot has decided (None: it has not).
     """
 
@@ -101,6 +101,6 @@ class Scene(NamedTuple):
     beside: tuple[RoadUser, ...] = ()
     ego: str = ""
     world: RoadGraph | None = None
+    plan: NominalPlan | None = None
     lights: Mapping[str, str] = NO_LIGHTS
-    curve: Curve | None = None
     field: Callable[[], CommandField | None] | None = None
