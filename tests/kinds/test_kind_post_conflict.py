@@ -71,6 +71,17 @@ def test_carriageways_with_no_room_between_are_crossed_in_one_go(tmp_path, first
     assert run.ego.stands_in(90 - 3.0, 90 + 3.0) == []
 
 
+@pytest.mark.parametrize("kind", ["priority_stop", "allway_stop"])
+def test_a_second_full_stop_with_no_room_before_it_is_made_behind_the_first(tmp_path, kind):
+    plain = _two_carriageways()
+    nodes = plain.nodes.replace('id="c"', f'id="c" type="{kind}"').replace('id="d"', f'id="d" type="{kind}"')
+    assert nodes.count(kind) == 2
+    near, far = stream("n", "nc cs", [4, 20, 44]), stream("u", "ud do", [6, 24, 48])
+    run = driven(tmp_path, Net(nodes, plain.edges), near, far, car("ego", "wc cd de", 1), until=120)
+    assert run.complaints() == []
+    assert max(run.ego.slowest(lane) for lane in ("wc", "cd")) < 0.1
+
+
 def _line_in_the_way() -> Net:
     """A crossing whose southern arm is drawn so far that who waits there stands on the main road."""
     plain = cross()

@@ -37,6 +37,10 @@ def test_a_stop_of_the_route_is_made_where_the_route_says():
     assert moved(20.0, 5.0, -1.0, Reason.SCHEDULED_STOP) is None
 
 
+def test_a_full_stop_is_made_at_its_own_line_however_near_behind_the_junction():
+    assert moved(20.0, 5.0, -1.0, Reason.STOP_SIGN) is None
+
+
 def test_who_can_no_longer_stop_before_the_line_goes_on():
     assert moved(3.0, 8.0, -1.0, Reason.NO_GAP) is None
 

@@ -23,6 +23,9 @@ QUEUED_SPEED = 3.0
 
 _LIGHTS = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT)
 
+_MADE_THERE = (Reason.SCHEDULED_STOP, Reason.STOP_SIGN)
+"""Stops that are made where they are asked for: whoever waited elsewhere for their end would wait for ever."""
+
 
 def is_clear_at(way: Crossing, limits: VehicleLimits) -> float:
     """Return how far on C (m) the ego's front is when its rear has left every region of a passage where it may not stand."""
@@ -114,7 +117,7 @@ def wait_before(
     in it, moved before its line.
 
     None: it would stand clear, can no longer stop before the line, or has waited there in vain, for a light behind through
-    a whole green of its own. A stop of the route is made where the route says.
+    a whole green of its own. A stop of the route is made where the route says, and a full stop at its line: M goes on then.
     """
     p = limits.parameters
     if not p.has(Mechanism.ROOM_BEHIND) or way.last == -math.inf:
@@ -122,7 +125,7 @@ def wait_before(
     clear = max(is_clear_at(way, limits), way.passage.start + limits.length)
     if not _may_wait(way, snapshot, p.planned_deceleration) or _waited(way, snapshot, memory) > p.queue_patience_s:
         return None
-    inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason is not Reason.SCHEDULED_STOP)
+    inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason not in _MADE_THERE)
     first = min(inside, key=lambda stop: stop.s, default=None)
     if first is None or (first.reason in _LIGHTS and memory.lost == way.connection.id):
         return None
