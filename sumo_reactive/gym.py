@@ -29,6 +29,7 @@ from sumo_reactive.lab.drivers.protocol import Driver, DriverAnswer, DriverView,
 from sumo_reactive.lab.drivers.users_trip import UsersTrip
 from sumo_reactive.lab.egos import find_ego
 from sumo_reactive.lab.fault import Fault
+from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import Simulation, started
 from sumo_reactive.sumo.config import read_config
@@ -54,12 +55,12 @@ def _far(name: str) -> Column:
 FAR_M, FAST_M_S = 200.0, 60.0
 """Places and speeds are clipped to these; so far is a leader, a follower or a light that is not there."""
 
-SPACING_M = 5.0
+WAY_STEP_M = 5.0
 """Between two points of the way."""
 
 OBSERVED: dict[str, tuple[int, tuple[Column, ...]]] = {
     "ego": (1, (
-        Column("speed", "m/s", 0.0, FAST_M_S), Column("acceleration", "m/s²", -20.0, 20.0),
+        Column("speed", "m/s", 0.0, FAST_M_S), Column("acceleration", EVERY["max_acceleration_m_s2"].unit, -20.0, 20.0),
         Column("steering angle", "rad", -2.0, 2.0), Column("offset to the left of the way", "m", -20.0, 20.0),
         Column("heading relative to the way", "rad", -math.pi, math.pi), Column("speed limit", "m/s", 0.0, FAST_M_S),
         Column("way left", "m", 0.0, 1e5),
@@ -80,7 +81,7 @@ OBSERVED: dict[str, tuple[int, tuple[Column, ...]]] = {
     )),
 }  # fmt: skip
 """What is observed: how many rows, and the columns of each, as seen from the middle of the front bumper. Rows are points of
-the way, every SPACING_M; the nearest users; the lanes (own, next inner, next outer)."""
+the way, every WAY_STEP_M; the nearest users; the lanes (own, next inner, next outer)."""
 
 
 class ActionKind(Enum):
@@ -248,7 +249,7 @@ class SumoReactiveEnv(gymnasium.Env[Observation, Floats32]):
         return {name: np.clip(rows[name], box.low, box.high).astype(np.float32) for name, box in self._boxes.items()}
 
     def _way_ahead(self, view: DriverView) -> NDArray[np.float64]:
-        number, step = OBSERVED["way"][0], round(SPACING_M / SAMPLE_M)
+        number, step = OBSERVED["way"][0], round(WAY_STEP_M / SAMPLE_M)
         at = np.minimum(self._k + step * np.arange(1, number + 1), len(self._way) - 1)
         return _seen_from(view, self._way[at])
 

@@ -181,7 +181,7 @@ def main() -> None:
     """Draw the figures named on the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(FIGURES)}; all without one")
-    parser.add_argument("--out", type=Path, default=ROOT / "images", metavar="FOLDER", help="where the images go")
+    parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images", metavar="FOLDER", help="where the images go")
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in FIGURES]:
         parser.error(f"no figure named {', '.join(unknown)}; there are {', '.join(FIGURES)}")

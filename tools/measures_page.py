@@ -21,7 +21,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
-from readme_samples import is_alike, replaced, sample_in
+from samples import is_alike, replaced, sample_in
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.lab.driving_score import driving_score

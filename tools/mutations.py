@@ -35,7 +35,7 @@ ROOMS = {
     "sumo": ("tests/sumo", "tests/sumo_contract"),
 }
 """The tests of each room."""
-NEEDED = (PACKAGE, "tests", "networks", "scenarios", "tools", "pyproject.toml", "README.md")
+NEEDED = (PACKAGE, "tests", "networks", "scenarios", "tools", "pyproject.toml", "README.md", "docs")
 """What tests may read."""
 IN_SHORT = {"NUMBA_DISABLE_JIT": "1", "HYPOTHESIS_PROFILE": "brief"}
 """Nothing is compiled, and what is tested by property by fewer examples."""

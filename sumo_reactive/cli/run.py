@@ -88,8 +88,7 @@ def run(
     from sumo_reactive.driver.pilot.schedule import Delays
     from sumo_reactive.lab.scenario import load_scenario
 
-    scenario = load_scenario(config)
-    named = ego or []
+    scenario, named = load_scenario(config), ego or []
     scenario = with_options(
         scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
         profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end,

@@ -166,6 +166,9 @@ class NetworkResult:
 
 Row = tuple[str, str]
 
+_PROFILES = "default", "paper"
+"""Those of this project's driver."""
+
 _OF_THIS_DRIVER = "off_road_s", "emergencies", "emergency_s", "pilot_activations", "pilot_free_share"
 """What other drivers do not have, and is then not told of them."""
 
@@ -191,7 +194,8 @@ def rows_of(result: TrialResult) -> list[Row]:
         (METRICS["arrived"].label, f"yes, at {result.end_s:.1f} s" if result.arrived else f"no ({result.ended})"),
     ]
     figures = {**result.metrics, **result.timing}
-    lacking = {key for key in _OF_THIS_DRIVER if figures.get(key) is None}
+    is_ours = result.profile in _PROFILES
+    lacking = set() if is_ours else {key for key in _OF_THIS_DRIVER if figures.get(key) is None}
     every = (*METRICS.values(), *TIMINGS.values())
     shown = (metric for metric in every if metric.is_shown and metric.key not in lacking)
     rows += [(metric.label, metric.text(figures[metric.key])) for metric in shown if metric.key in figures]

@@ -183,7 +183,7 @@
     }
     pen.fillStyle = colours.soft;
     pen.textAlign = "right";
-    gains.forEach((one, i) => pen.fillText(one.toFixed(1), x0 - 4, y0 + (gains.length - 1 - i) * cell + 14));
+    gains.forEach((one, i) => pen.fillText(one.toFixed(1).replace("-0.0", "0.0"), x0 - 4, y0 + (gains.length - 1 - i) * cell + 14));
     pen.textAlign = "left";
     pen.fillText("m/s² up, rad/s across", x0 - 42, y0 + cell * gains.length + 16);
   };

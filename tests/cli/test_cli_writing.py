@@ -45,7 +45,7 @@ def test_a_comparison_that_cannot_be_written_is_shown(tmp_path, monkeypatch, cap
     def no_room(*_):
         raise OutputError("out: cannot be written: No space left on device")
 
-    monkeypatch.setattr(comparison, "compare", lambda *_, **__: Comparison((), 600.0))
+    monkeypatch.setattr(comparison, "compare", lambda *_, **__: [Comparison((), 600.0)])
     monkeypatch.setattr(record, "comparison_rows", lambda _: [("duration (s)", "2", "31", "30", "-1", "none")])
     monkeypatch.setattr(record, "write", no_room)
     monkeypatch.setattr(sys, "argv", ["sumo-reactive", "compare", str(FOUR_WAY), "--out", str(tmp_path / "out"), *quiet])

@@ -177,8 +177,9 @@ def test_a_scheduler_with_tls_takes_only_who_has_its_certificate(tmp_path, monke
 
 
 def tls_in_readme():
-    """Return the configuration that the README shows."""
-    return re.search(r"```yaml\n(distributed:.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[1]
+    """Return the configuration that the page shows."""
+    page = (ROOT / "docs" / "batch.md").read_text(encoding="utf-8")
+    return re.search(r"```yaml\n(distributed:.*?)```", page, re.DOTALL)[1]
 
 
 def test_a_scheduler_that_is_lost_on_the_way_is_one_line_and_nothing_is_lost(tmp_path):

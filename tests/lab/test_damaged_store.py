@@ -65,7 +65,7 @@ EDITS = {
         replaced("plan", "TABLE plan (key VARCHAR PRIMARY KEY, number INTEGER AS (length(key)))"), "columns of 'plan'"),
     "no scenario": ("UPDATE trials SET scenario = NULL", "'trials' has a row"),
     "no seed": ("UPDATE trials SET seed = NULL", "'trials' has a row"),
-    "another driver": ("UPDATE trials SET driver = 'mine'", "'trials' has a row"),
+    "no driver": ("UPDATE trials SET driver = ''", "'trials' has a row"),
     "another ending": ("UPDATE trials SET ending = '[bold]'", "'trials' has a row"),
     "parameters that are a list": ("UPDATE trials SET parameters = '[1]'", "'trials' has a row"),
     "options that nest deeply": (f"UPDATE trials SET options = '{DEEP}'", "are none"),

@@ -69,7 +69,7 @@ def test_the_record_of_a_step_holds_place_and_motion_and_nothing_that_sumos_own_
     run_sumo_driver(replace(load_scenario(FOUR_WAY), horizon_s=2.0), observer=scenes.append)
     step = scenes[-1].step
     assert (step.x, step.y, step.lane_id) != (0.0, 0.0, "") and step.speed > 0.0
-    assert {name for name in step._fields[6:] if getattr(step, name) not in (None, (), NOT_ASSESSED)} == set()
+    assert {name for name in step._fields[6:] if getattr(step, name) not in (None, (), "", NOT_ASSESSED)} == set()
 
 
 def test_it_is_judged_but_not_on_what_only_this_projects_driver_has():

@@ -21,7 +21,7 @@ def drawn(tmp_path_factory):
 
 @pytest.mark.parametrize("name", ["figure2_model.png", "figure3_shadow.png"])
 def test_a_figure_looks_like_the_one_in_the_readme(drawn, name):
-    fresh, kept = imread(drawn / name), imread(ROOT / "images" / name)
+    fresh, kept = imread(drawn / name), imread(ROOT / "docs" / "images" / name)
     assert fresh.shape == kept.shape
     ink = float(np.abs(kept - kept.max()).mean())
     assert float(np.abs(fresh - kept).mean()) < ALIKE * ink

@@ -41,7 +41,7 @@ def load(folder):
     {fault}
     from sumo_reactive.errors import ScenarioError
     raise ScenarioError("said")
-one.load = other.load = load
+one.read_run = other.read_run = load
 """
     answer = run_tool("fuzz", "--number", 1, "--keep", folder, "--kind", "record", code=code)
     assert answer.returncode == 1 and "1 of 1 ended wrongly" in answer.stdout

@@ -30,7 +30,7 @@ def speed_after(answer: LaneCommand, speed: float, limits: VehicleLimits, durati
     """Return the speed (m/s) that an answer leads to after `duration` s."""
     require_finite(answer.acceleration)
     if abs(answer.acceleration) > MOST_ACCELERATION:
-        raise DriverError(f"answered an acceleration of {answer.acceleration:g} m/s²")
+        raise DriverError(f"answered an acceleration of {answer.acceleration:g}")
     return min(max(0.0, speed + answer.acceleration * duration), limits.max_speed)
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Write the samples of README.md from runs of the code beside it, or compare them.
+"""Write the samples of the pages from runs of the code beside them, or compare them.
 
-    python tools/readme_samples.py [NAME…] [--check] [--timings MACHINE] [--readme FILE]
+    python tools/samples.py [NAME…] [--check] [--timings MACHINE] [--pages FOLDER]
 
-A sample stands between `<!-- sample: NAME -->` and `<!-- /sample -->`. What the same versions do not give again, wall-clock
-figures, is left out of it; `--timings` writes those apart, from the benchmarks, with commit, date and the MACHINE in words.
-Commands run in a copy of scenarios, networks and experiments, as if from the repository. Exit codes: 0 written or up to
-date, 1 out of date, 2 wrong usage.
+A sample stands in README.md or a page of docs/, between `<!-- sample: NAME -->` and `<!-- /sample -->`. What the same
+versions do not give again, wall-clock figures, is left out of it; `--timings` writes those apart, from the benchmarks, with
+commit, date and the MACHINE in words. Commands run in a copy of scenarios, networks and experiments, as if from the
+repository. Exit codes: 0 written or up to date, 1 out of date, 2 wrong usage.
 """
 
 from __future__ import annotations
@@ -31,7 +31,6 @@ from sumo_reactive.cli.main import main as sumo_reactive
 from sumo_reactive.lab.metric_names import METRICS, NETWORK, OTHERS, TIMINGS, Metric
 
 ROOT = Path(__file__).resolve().parent.parent
-README = ROOT / "README.md"
 COPIED = ("scenarios", "networks", "experiments")
 LONGEST = 230
 """Characters of a line; what is longer is cut off."""
@@ -55,23 +54,45 @@ _NO_DIFFERENCE = re.compile(r" 0 +0 … 0$")
 def main() -> None:
     """Write or compare what is asked for."""
     asked = _arguments()
-    text = asked.readme.read_text(encoding="utf-8")
-    fresh = text
+    pages = {page: page.read_text(encoding="utf-8") for page in pages_in(asked.pages)}
+    fresh = dict(pages)
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         for name in COPIED:
             shutil.copytree(ROOT / name, name)
         for name in asked.names or (() if asked.timings else SAMPLES):
-            fresh = replaced(fresh, name, SAMPLES[name]())
+            place = place_of(pages, name)
+            fresh[place] = replaced(fresh[place], name, SAMPLES[name]())
     if asked.timings:
-        fresh = replaced(fresh, "timings", timings(asked.timings))
-    stale = [name for name in (*SAMPLES, "timings") if not is_alike(sample_in(text, name), sample_in(fresh, name))]
-    if asked.check:
-        before, after = text.splitlines(keepends=True), fresh.splitlines(keepends=True)
-        print("".join(difflib.unified_diff(before, after, "as it is", "as it should be", n=1)) if stale else "", end="")
-    else:
-        asked.readme.write_text(fresh, encoding="utf-8")
+        place = place_of(pages, "timings")
+        fresh[place] = replaced(fresh[place], "timings", timings(asked.timings))
+    stale = [name for name in (*SAMPLES, "timings") if _is_stale(pages, fresh, name)]
+    for page, text in fresh.items():
+        if asked.check:
+            before, after = pages[page].splitlines(keepends=True), text.splitlines(keepends=True)
+            print("".join(difflib.unified_diff(before, after, page.name, "as it should be", n=1)) if stale else "", end="")
+        elif text != pages[page]:
+            page.write_text(text, encoding="utf-8")
     print(f"{'out of date' if asked.check else 'written'}: {', '.join(stale)}" if stale else "up to date")
     raise SystemExit(int(asked.check and bool(stale)))
+
+
+def pages_in(folder: Path) -> list[Path]:
+    """Return the pages that may hold samples."""
+    return [folder / "README.md", *sorted((folder / "docs").glob("*.md"))]
+
+
+def place_of(pages: Mapping[Path, str], name: str) -> Path:
+    """Return the page that holds a sample; ends with exit code 2 if there is none."""
+    found = next((page for page, text in pages.items() if f"<!-- sample: {name} -->" in text), None)
+    if found is None:
+        print(f"samples: no place for the sample {name}", file=sys.stderr)
+        raise SystemExit(2)
+    return found
+
+
+def _is_stale(pages: Mapping[Path, str], fresh: Mapping[Path, str], name: str) -> bool:
+    place = place_of(pages, name)
+    return not is_alike(sample_in(pages[place], name), sample_in(fresh[place], name))
 
 
 def _arguments() -> argparse.Namespace:
@@ -80,7 +101,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(SAMPLES)}; all without one")
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 if a sample is out of date")
     parser.add_argument("--timings", metavar="MACHINE", help="write the timings, too; without a NAME only them")
-    parser.add_argument("--readme", type=Path, default=README, metavar="FILE", help="default README.md")
+    parser.add_argument("--pages", type=Path, default=ROOT, metavar="FOLDER", help="of README.md and docs/")
     asked = parser.parse_args()
     if unknown := [name for name in asked.names if name not in SAMPLES]:
         parser.error(f"no sample named {', '.join(unknown)}; there are {', '.join(SAMPLES)}")
@@ -109,11 +130,9 @@ def _digits(number: str) -> int:
 
 
 def sample_in(text: str, name: str) -> str:
-    """Return what stands at a sample's place; ends with exit code 2 if there is no such place."""
+    """Return what stands at a sample's place."""
     found = re.search(rf"<!-- sample: {name} -->\n(.*?)<!-- /sample -->", text, re.DOTALL)
-    if found is None:
-        print(f"readme_samples: no place for the sample {name}", file=sys.stderr)
-        raise SystemExit(2)
+    assert found is not None, name
     return found[1]
 
 

@@ -1,4 +1,4 @@
-"""The README's samples are what the code says: each is made again, and the tool finds and mends what is out of date."""
+"""The samples of the pages are what the code says: each is made again, and the tool finds and mends what is out of date."""
 
 import importlib.util
 import re
@@ -10,7 +10,9 @@ from helpers.programs import ROOT, TOOLS, run_tool
 
 from sumo_reactive.lab.metric_names import METRICS, OTHERS
 
-README = ROOT / "README.md"
+PAGES = {page: page.read_text(encoding="utf-8") for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
+ELSEWHERE = ("equality", "measures", "observation")
+"""Samples that other tools write, or none."""
 CHECK_S = 500.0
 
 
@@ -18,7 +20,7 @@ CHECK_S = 500.0
 def tool():
     sys.path.insert(0, str(TOOLS))
     try:
-        spec = importlib.util.spec_from_file_location("readme_samples", TOOLS / "readme_samples.py")
+        spec = importlib.util.spec_from_file_location("samples", TOOLS / "samples.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
     finally:
@@ -26,8 +28,8 @@ def tool():
     return module
 
 
-def test_every_sample_of_the_readme_is_what_the_code_says():
-    answer = run_tool("readme_samples", "--check", timeout=CHECK_S)
+def test_every_sample_of_the_pages_is_what_the_code_says():
+    answer = run_tool("samples", "--check", timeout=CHECK_S)
     assert (answer.returncode, answer.stdout.strip()) == (0, "up to date"), answer.stdout + answer.stderr
 
 
@@ -44,43 +46,45 @@ def test_two_samples_are_alike_but_for_widths_and_one_in_the_last_digit(tool, on
 
 
 def test_every_place_for_a_sample_has_its_maker_and_every_block_of_text_its_place(tool):
-    text = README.read_text(encoding="utf-8")
-    assert sorted(re.findall(r"<!-- sample: (\w+) -->", text)) == sorted([*tool.SAMPLES, "timings"])
+    text = "".join(PAGES.values())
+    found = [name for name in re.findall(r"<!-- sample: (\w+) -->", text) if name not in ELSEWHERE]
+    assert sorted(found) == sorted([*tool.SAMPLES, "timings"])
     by_hand = re.sub(r"<!-- sample: .*?<!-- /sample -->", "", text, flags=re.DOTALL)
     assert [block for block in re.findall(r"```text\n(.*?)```", by_hand, re.DOTALL) if re.search(r"\d\.\d", block)] == []
 
 
 def test_the_tables_name_every_metric(tool):
-    told = tool.sample_in(README.read_text(encoding="utf-8"), "metrics")
+    told = tool.sample_in("".join(PAGES.values()), "metrics")
     for metric in (*(one for key, one in METRICS.items() if not key.startswith("events_")), *OTHERS.values()):
         assert f"| `{metric.key}` | {metric.label} | {metric.unit} | {metric.meaning} |" in told
 
 
 def test_timings_stand_apart_with_commit_date_and_machine(tool):
-    told = tool.sample_in(README.read_text(encoding="utf-8"), "timings")
+    told = tool.sample_in("".join(PAGES.values()), "timings")
     assert re.match(r"Commit [0-9a-f]{7,}, \d{4}-\d\d-\d\d, .+\.\n", told)
-    others = [tool.sample_in(README.read_text(encoding="utf-8"), name) for name in tool.SAMPLES]
+    others = [tool.sample_in("".join(PAGES.values()), name) for name in tool.SAMPLES]
     assert [text for text in others if re.search(r"\d µs|real-time", text)] == []
 
 
 def test_a_sample_that_is_out_of_date_is_found_and_written_anew(tmp_path):
-    copy = tmp_path / "README.md"
-    shutil.copy(README, copy)
+    shutil.copy(ROOT / "README.md", tmp_path / "README.md")
+    shutil.copytree(ROOT / "docs", tmp_path / "docs")
+    copy = tmp_path / "docs" / "metrics.md"
     kept = copy.read_text(encoding="utf-8")
     copy.write_text(kept.replace("| `duration_s` | duration |", "| `duration_s` | how long |"), encoding="utf-8")
-    answer = run_tool("readme_samples", "metrics", "--check", "--readme", copy)
+    answer = run_tool("samples", "metrics", "--check", "--pages", tmp_path)
     assert answer.returncode == 1
     assert "\n-| `duration_s` | how long |" in answer.stdout and "\n+| `duration_s` | duration |" in answer.stdout
     assert answer.stdout.endswith("out of date: metrics\n")
-    answer = run_tool("readme_samples", "metrics", "--readme", copy)
+    answer = run_tool("samples", "metrics", "--pages", tmp_path)
     assert (answer.returncode, answer.stdout) == (0, "written: metrics\n")
     assert copy.read_text(encoding="utf-8") == kept
 
 
 def test_a_sample_without_a_place_or_a_maker_is_named(tmp_path):
     (tmp_path / "README.md").write_text("nothing", encoding="utf-8")
-    answer = run_tool("readme_samples", "metrics", "--readme", tmp_path / "README.md")
-    assert (answer.returncode, answer.stderr) == (2, "readme_samples: no place for the sample metrics\n")
-    answer = run_tool("readme_samples", "atlantis")
+    answer = run_tool("samples", "metrics", "--pages", tmp_path)
+    assert (answer.returncode, answer.stderr) == (2, "samples: no place for the sample metrics\n")
+    answer = run_tool("samples", "atlantis")
     assert answer.returncode == 2
     assert "no sample named atlantis" in answer.stderr
