@@ -46,13 +46,14 @@ def main() -> NoReturn:
     except KeyboardInterrupt:
         interrupts.requested, code = True, _INTERRUPTED
     interrupts.end()
-    raise SystemExit(_fail("interrupted", code) if code == _INTERRUPTED and interrupts.requested else code)
+    raise SystemExit(_fail("interrupted", code) if code == _INTERRUPTED and not interrupts.is_told else code)
 
 
 def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interrupts) -> int:
     try:
         return int(app(args=arguments, prog_name="sumo-reactive", standalone_mode=False, obj=sumo_options) or 0)
     except ReactiveError as error:
+        interrupts.is_told = not interrupts.requested
         return _INTERRUPTED if interrupts.requested else _fail(str(error), error.exit_code)
     except _UsageErrors as error:
         message = getattr(error, "format_message", error.__str__)()
@@ -87,6 +88,7 @@ class Interrupts:
 
     def __init__(self) -> None:
         self.requested = False
+        self.is_told = False
         self._last = 0.0
         self._again: threading.Timer | None = None
         self._before: dict[int, Any] = {}
