@@ -6,13 +6,11 @@ A trial is a simulation of one driver of this project, the baseline one of SUMO'
 from __future__ import annotations
 
 import contextlib
-import gc
 import hashlib
 import tempfile
 import time as clock
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,7 +19,6 @@ import numpy
 
 from sumo_reactive import __version__
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
-from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
 from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.drivers.choice import SUMO
@@ -36,10 +33,11 @@ from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
 from sumo_reactive.lab.task import Task
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
+from sumo_reactive.lab.worlds import Worlds, world_kept
 from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.ego import give_back
 from sumo_reactive.sumo.launch import OptionOverride, chosen_step_length, passed_end, runnable_config, sumo_arguments
-from sumo_reactive.sumo.net_reader import NetFile, WorldSource, read_net
+from sumo_reactive.sumo.net_reader import WorldSource, read_net
 from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, sumo_version
@@ -47,9 +45,6 @@ from sumo_reactive.sumo.vehicle_type import Equipment
 
 SceneObserver = Callable[[Scene], None]
 """Gets every scene of every ego."""
-
-SELDOM = 100_000
-"""Objects made and not freed until rubbish is looked for while egos drive."""
 
 
 class Started(NamedTuple):
@@ -286,6 +281,8 @@ def run_fleet(
     `run_trial` raises; a vehicle that is not named and cannot be taken over is no error, nobody at all is one unless there
     `may_be_nobody`.
     """
+    if scenario.driver == SUMO:
+        raise ScenarioError(f"{scenario.source}: several egos with SUMO's own driver are what SUMO runs without any")
     began, taken_over = clock.perf_counter(), taking_over(scenario)
     with started(scenario, has_window=has_window) as start:
         worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
@@ -316,49 +313,6 @@ def versions() -> dict[str, str]:
         "numba": numba.__version__,
         "numpy": numpy.__version__,
     }
-
-
-class Worlds:
-    """Builds the world around routes like a `NetFile`, but gives one that it has built already where that holds a route.
-
-    What is computed once for a world (conflicts, lanes to watch, foreseen ways) is then computed once for all egos.
-    """
-
-    def __init__(self, net: NetFile) -> None:
-        self._net = net
-        self._routes: list[tuple[str, ...]] = []
-        self._held: set[tuple[str, ...]] = set()
-        self._graph: RoadGraph | None = None
-
-    def build(self, edges: Sequence[str]) -> RoadGraph:
-        """Return a world that holds a route of normal edges; raise NetworkError for an unknown edge."""
-        parts = {(edges[-1],), *pairwise(edges)}
-        if self._graph is None or not parts <= self._held:
-            graph = self._net.build(*self._routes, edges)
-            self._routes.append(tuple(edges))
-            self._held |= parts | {(edge,) for edge in edges}
-            self._graph = graph
-        return self._graph
-
-    def end_of(self, edge_id: str) -> str:
-        """Return the junction that a normal edge leads to."""
-        return self._net.end_of(edge_id)
-
-
-@contextlib.contextmanager
-def world_kept() -> Iterator[None]:
-    """Keep what has been built out of garbage collection, which would cost tens of milliseconds now and then.
-
-    Steps make no cycles, so that hardly anything is left to collect: it is looked for seldom.
-    """
-    before = gc.get_threshold()
-    gc.freeze()
-    gc.set_threshold(SELDOM, *before[1:])
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
-        gc.unfreeze()
 
 
 def _recounted(files: TripFiles, simulation: Simulation) -> list[TrialResult]:

@@ -9,15 +9,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import duckdb
 import numpy as np
 
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.geometry.polyline import moved_aside
 from sumo_reactive.driver.nouns.record import CommandField, Scene
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
-from sumo_reactive.lab.tables import as_os_errors
+from sumo_reactive.lab.columns import write_columns
 
 SURROUNDINGS_VERSION = 1
 """Of both files; another release may write another."""
@@ -73,10 +71,7 @@ class SurroundingsRecord:
         names = np.array(list(self._ids), dtype=object)
         columns: dict[str, Any] = {"time_s": np.array(self._times).round(3), "user": names[np.array(self._users, dtype=int)]}
         columns |= {name: numbers[:, k] for k, name in enumerate(USER_NUMBERS[1:])}
-        with duckdb.connect() as database:
-            database.register("users", columns)
-            with as_os_errors():
-                database.table("users").write_parquet(str(folder / USERS), compression="zstd")
+        write_columns(folder / USERS, columns)
         text = json.dumps(self._told(), allow_nan=False, separators=(",", ":"))
         (folder / SURROUNDINGS).write_text(text + "\n", encoding="utf-8")
 
@@ -127,10 +122,7 @@ class SurroundingsRecord:
 
 def _outline(lane: Lane) -> list[list[float]]:
     """Return the corners of a lane's area, m."""
-    points = np.asarray(lane.spine.points, dtype=float)
-    half = np.full(len(points), 0.5 * lane.width)
-    corners = np.concatenate([moved_aside(points, half), moved_aside(points, -half)[::-1]])
-    return [[float(x), float(y)] for x, y in corners.round(_DECIMALS)]
+    return [[float(x), float(y)] for x, y in lane.outline.round(_DECIMALS)]
 
 
 def _points(curve: Curve) -> list[list[float]]:

@@ -13,9 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
 
-from sumo_reactive.driver.geometry.polyline import moved_aside
 from sumo_reactive.driver.nouns.decision import Behaviour
-from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.scenario import load_scenario
@@ -69,7 +67,7 @@ def roads_of(recording: Recording, steps: Steps) -> RoadMap:
         graph = net.build(edges_of(steps["lane_id"]))
     except ReactiveError as error:
         return RoadMap({}, {}, {}, str(error))
-    lanes = {lane.id: outline_of(lane) for lane in graph.lanes.values()}
+    lanes = {lane.id: lane.outline for lane in graph.lanes.values()}
     inside = {name: lanes.pop(name) for name, lane in graph.lanes.items() if lane.is_internal}
     return RoadMap(lanes, inside, {name: junction.outline for name, junction in graph.junctions.items()})
 
@@ -78,13 +76,6 @@ def edges_of(lane_ids: Iterable[str]) -> list[str]:
     """Return the normal edges that the ego was on, in order; lanes inside junctions begin with a colon."""
     edges = (lane.rpartition("_")[0] for lane in lane_ids if lane and not lane.startswith(":"))
     return [edge for edge, _ in groupby(edges)]
-
-
-def outline_of(lane: Lane) -> Outline:
-    """Return the area of a lane: its centre line, moved by half its width to either side."""
-    points = np.asarray(lane.spine.points, dtype=float)
-    half = np.full(len(points), 0.5 * lane.width)
-    return np.concatenate([moved_aside(points, half), moved_aside(points, -half)[::-1]])
 
 
 def views_of(steps: Steps, spans: Sequence[BehaviourSpan]) -> list[MapView]:

@@ -14,7 +14,7 @@ from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
 from sumo_reactive.show.faults import faults_in
 from sumo_reactive.show.recording import read_run, read_steps
 from sumo_reactive.show.reports import run_page
-from sumo_reactive.show.run_map import RoadMap, closed, edges_of, map_figure, outline_of, roads_of, views_of
+from sumo_reactive.show.run_map import RoadMap, closed, edges_of, map_figure, roads_of, views_of
 from sumo_reactive.show.run_timeline import spans_of, timeline_figure
 from sumo_reactive.sumo.net_reader import read_net
 
@@ -115,7 +115,7 @@ def test_no_area_makes_no_line():
 
 def test_the_outline_of_a_lane_is_as_wide_as_the_lane():
     lane = Lane("a_0", "a", 0, Polyline(np.array([[0.0, 0.0], [10.0, 0.0]])), 10.0, 3.0, 13.9, frozenset())
-    assert outline_of(lane).tolist() == [[0.0, 1.5], [10.0, 1.5], [10.0, -1.5], [0.0, -1.5]]
+    assert lane.outline.tolist() == [[0.0, 1.5], [10.0, 1.5], [10.0, -1.5], [0.0, -1.5]]
 
 
 def test_the_roads_are_those_of_the_network_that_the_scenario_names(tmp_path):

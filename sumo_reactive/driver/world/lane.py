@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sumo_reactive.driver.geometry.polyline import Polyline
+from sumo_reactive.driver.geometry.polyline import Points, Polyline, moved_aside
 
 OPPOSITE_SLACK_M = 1.0
 """Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
@@ -63,6 +63,12 @@ class Lane:
     def scale(self) -> float:
         """Spine metres per position metre."""
         return self.spine.length / self.length
+
+    @property
+    def outline(self) -> Points:
+        """The lane's area (n, 2), m: its centre line, moved by half its width to either side."""
+        half = np.full(len(self.spine.points), 0.5 * self.width)
+        return np.concatenate([moved_aside(self.spine.points, half), moved_aside(self.spine.points, -half)[::-1]])
 
     def reaches(self, x: float, y: float, width: float) -> bool:
         """Whether a body of `width` m with the middle of its front at (x, y) reaches over the lane."""
