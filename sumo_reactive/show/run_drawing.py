@@ -28,10 +28,10 @@ from sumo_reactive.show.run_timeline import spans_of
 from sumo_reactive.writing import whole_file
 
 CAR_LENGTH_M, CAR_WIDTH_M, CAR_OVERHANG_M = 4.7, 1.8, 0.9
-"""A usual car's length, width, and front bumper before front axle: a record does not hold the ego's own."""
+"""A usual car's length, width, and front bumper before front axle, where a record does not hold the ego's own."""
 
 SIZE_NOTE = f"the record does not hold the size of the ego: drawn as a car of {CAR_LENGTH_M:g} × {CAR_WIDTH_M:g} m"
-FIELD_NOTE = "the record holds U of the chosen command alone: drawn over time, not over the command space or the ground"
+FIELD_NOTE = "drawn is U of the chosen command over time; the run's page shows U over the commands at each decision"
 
 INK, OTHER, GREY, PALE, GROUND = "#1f3b5c", "#b5482a", "#6b7178", "#c3c8ce", "#eef0f2"
 """The ego and what belongs to it; others; what helps to read; borders of lanes; roads."""
@@ -109,6 +109,9 @@ class RunDrawing:
     def __init__(self, recording: Recording, shown: Shown) -> None:
         self.steps = steps = read_steps(recording)
         self._recording, self._half = recording, 0.5 * shown.height
+        size = recording.summary.get("length_m"), recording.summary.get("width_m")
+        self._length, self._width = size[0] or CAR_LENGTH_M, size[1] or CAR_WIDTH_M
+        self._has_size = None not in size
         self._times = [entry.time for entry in recording.entries]
         track = [*zip(steps["x_m"], steps["y_m"], strict=True)]
         self._track = np.array(track)
@@ -134,7 +137,8 @@ class RunDrawing:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the record lacks, a line each."""
-        return (SIZE_NOTE, *([f"drawn without the roads: {self.roads.missing}"] if self.roads.missing else []))
+        missing = [] if self._has_size else [SIZE_NOTE]
+        return (*missing, *([f"drawn without the roads: {self.roads.missing}"] if self.roads.missing else []))
 
     def _region(self, corners: Sequence[Sequence[float]]) -> Polygon:
         patch = Polygon(np.asarray(corners, dtype=float), lw=_THIN, zorder=2, visible=False)
@@ -162,7 +166,7 @@ class RunDrawing:
         """Move the figure to step `k`."""
         steps, (x, y) = self.steps, self._track[k]
         heading = steps["heading_rad"][k]
-        self._body.set_xy(Footprint(x, y, heading, CAR_LENGTH_M, CAR_WIDTH_M).corners())
+        self._body.set_xy(Footprint(x, y, heading, self._length, self._width).corners())
         self._body.set_facecolor(mpl.colors.to_rgba(_colour_of(steps["behaviour"][k]), 0.55))
         self._driven.set_data(*self._track[: k + 1].T)
         self._ahead.set_data(*self._track[k:].T)

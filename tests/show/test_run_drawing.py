@@ -1,5 +1,7 @@
 """The drawing of a run: what stands in it at a moment, and that it is the same each time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.recordings import made_record, step
@@ -89,10 +91,22 @@ def test_metres_are_as_long_in_x_as_in_y(drawing):
     assert drawing.figure.axes[0].get_aspect() == 1.0
 
 
-def test_what_the_record_lacks_is_told(drawing):
+def test_what_the_record_lacks_is_told(recording):
+    summary = {name: value for name, value in recording.summary.items() if name not in ("length_m", "width_m")}
+    with drawn_in_style():
+        drawing = RunDrawing(replace(recording, summary=summary), Shown())
     assert [note.split(":")[0] for note in drawing.notes] == [
         "the record does not hold the size of the ego", "drawn without the roads",
     ]  # fmt: skip
+
+
+def test_the_body_has_the_size_that_the_record_tells(recording):
+    with drawn_in_style():
+        drawing = RunDrawing(replace(recording, summary={**recording.summary, "length_m": 12.0, "width_m": 2.5}), Shown())
+    drawing.show(12)
+    body = drawing.figure.axes[0].patches[-1].get_xy()
+    assert np.ptp(body, axis=0) == pytest.approx([12.0, 2.5])
+    assert [note.split(":")[0] for note in drawing.notes] == ["drawn without the roads"]
 
 
 def test_the_field_adds_u_and_its_terms_over_time(recording):

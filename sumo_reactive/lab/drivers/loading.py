@@ -26,6 +26,8 @@ def controller_parts(choice: DriverChoice) -> Parts:
     if not choice.is_users or choice.name.startswith(PROGRAM):
         return PARTS
     found = _found(choice)
+    if isinstance(found, Parts) and choice.options:
+        raise ScenarioError(f"driver '{choice}': parts take no options")
     return found if isinstance(found, Parts) else PARTS
 
 

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from test_users_trip import EXAMPLES, FOUR_WAY, driven_by, steps_of
+from test_users_trip import EXAMPLES, driven_by, steps_of
 
 from sumo_reactive.driver.nouns.state import Command
 from sumo_reactive.lab.drivers import program
@@ -62,7 +62,7 @@ def test_a_program_that_is_silent_has_failed(tmp_path, monkeypatch):
 
 
 def test_the_program_has_ended_when_the_trip_has(tmp_path):
-    code = READY.replace("sys.stdin.readline()\n", "", 0) + (
+    code = READY + (
         "print('{\"lane\": [2.0, null, true]}', flush=True)\n"
         "for line in sys.stdin:\n"
         "    if line.startswith('{\"end\"'):\n        open('end.json', 'w').write(line)\n"
@@ -86,4 +86,3 @@ def test_every_answer_has_a_message():
 
 def test_the_words_of_a_program_are_those_of_a_shell():
     assert words_of_program(DriverChoice("exec:python 'a b.py' --x", folder=EXAMPLES)) == ["python", "a b.py", "--x"]
-    assert FOUR_WAY.ego == "ego"
