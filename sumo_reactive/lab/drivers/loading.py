@@ -74,7 +74,7 @@ def _found(choice: DriverChoice) -> Any:
             return installed[choice.name].load()
         module, _, name = choice.name.partition(":")
         return getattr(_imported(module, choice.folder), name)
-    except Exception as error:  # the user's module may raise anything while it is imported
+    except (Exception, SystemExit) as error:  # the user's module may raise anything while it is imported
         raise ScenarioError(f"driver '{choice.name}' cannot be loaded: {type(error).__name__}: {error}") from error
 
 

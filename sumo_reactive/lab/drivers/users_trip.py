@@ -188,7 +188,7 @@ class UsersTrip:
         """Keep what the driver's code raises as its failure."""
         try:
             yield
-        except Exception as error:  # whatever the user's code raises is told, and is no fault of this program
+        except (Exception, SystemExit) as error:  # whatever the user's code raises is told, and is no fault of this program
             frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent != _HERE]
             told = str(error) if isinstance(error, DriverError) else "".join(traceback.format_exception_only(error)).strip()
             self.failure = self.failure or "".join((*traceback.format_list(frames), told))

@@ -57,8 +57,9 @@ def test_a_driver_that_raises_has_failed_with_its_step_and_the_traceback_of_its_
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("Leaps", "failed at 12.2 s: answered a place 496.3 m away"), ("Babbles", "answered a str, which is none"),
-        ("Silent", "answered nothing, and there is no plan"), ("Infinite", "answered inf where a finite number is due"),
+        ("Quits", "SystemExit: 3"), ("Leaps", "failed at 12.2 s: answered a place 496.3 m away"),
+        ("Babbles", "answered a str, which is none"), ("Silent", "answered nothing, and there is no plan"),
+        ("Infinite", "answered inf where a finite number is due"),
     ],
 )  # fmt: skip
 def test_an_answer_that_no_car_can_carry_out_is_the_drivers_failure(name, told):

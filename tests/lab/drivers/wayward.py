@@ -32,6 +32,14 @@ class CrashesAt20(Obedient):
         return super().step(view) if view.time < 20.0 - 1e-6 else 1 / 0
 
 
+class Quits(Obedient):
+    """Ends the whole process, or tries to."""
+
+    def step(self, view):
+        """Quit."""
+        raise SystemExit(3)
+
+
 class Leaps(Obedient):
     """Is somewhere else at once."""
 
