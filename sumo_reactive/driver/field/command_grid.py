@@ -17,7 +17,7 @@ PAPER_STEERING_SPEED = 4.0
 """m/s; below it φ̇max of the nine commands no longer grows: a tight turn is driven about so fast."""
 
 
-_STEERING_LEVELS = np.array([-1.0, -0.3, -0.06, 0.0, 0.06, 0.3, 1.0])
+STEERING_LEVELS = np.array([-1.0, -0.3, -0.06, 0.0, 0.06, 0.3, 1.0])
 """Cubically spaced levels: fine about a held wheel, where high speed needs it, full at the ends."""
 
 ROUNDS = 3
@@ -35,11 +35,13 @@ class CommandGrid(NamedTuple):
     rounds: int = 0
 
 
-def steering_rate_limit(limits: VehicleLimits, speed: float) -> float:
-    """φ̇max at `speed` (m/s): the car's own, or what keeps the lateral jerk v²φ̇/L bounded, rad/s."""
-    return min(limits.max_steering_rate, limits.parameters.max_lateral_jerk * limits.wheelbase / max(speed, 1.0) ** 2)
+@kernel
+def steering_rate_limit(most: float, lateral_jerk: float, wheelbase: float, speed: float) -> float:
+    """φ̇max at `speed` (m/s): the car's own, `most`, or what keeps the `lateral_jerk` v²φ̇/L (m/s³) bounded, rad/s."""
+    return min(most, lateral_jerk * wheelbase / max(speed, 1.0) ** 2)
 
 
+@kernel
 def gentlest_brake(acceleration: float, period: float, jerk: float) -> float:
     """The lowest next acceleration within the comfortable `jerk` (m/s³), m/s²: the throttle may be released at once."""
     return min(acceleration, 0.0) - jerk * period
@@ -59,15 +61,24 @@ def paper_grid(limits: VehicleLimits, speed: float, period: float) -> CommandGri
 
 
 def lattice(limits: VehicleLimits, speed: float, acceleration: float, period: float) -> CommandGrid:
-    """A lattice over what the car can do, whatever C and v_d ask for: at most 6 × 7 commands, made finer in `ROUNDS`.
+    """Return the lattice of `lattice_axes` for a car, made finer in `ROUNDS`."""
+    p = limits.parameters
+    numbers = p.comfort_jerk * period, limits.planned_deceleration, limits.emergency_deceleration, limits.max_acceleration
+    top = steering_rate_limit(limits.max_steering_rate, p.max_lateral_jerk, limits.wheelbase, speed)
+    return CommandGrid(*lattice_axes(acceleration, *numbers, top), ROUNDS)
 
-    Three accelerations span the comfortable jerk about the present `acceleration`, three brake ever harder. After harder
-    braking than planned they lie about the planned one: an emergency ends at once.
+
+@kernel
+def lattice_axes(
+    acceleration: float, change: float, planned: float, emergency: float, most: float, top: float
+) -> tuple[Floats, Floats]:
+    """Return the axes of a lattice over what the car can do, whatever C and v_d ask for: at most 6 × 7 commands.
+
+    Three accelerations (m/s²) span the comfortable jerk about the present one, by a `change` to both sides, three brake ever
+    harder. After harder braking than `planned` they lie about the planned one: an emergency ends at once. The steering rates
+    reach to `top` rad/s.
     """
-    change = limits.parameters.comfort_jerk * period
-    planned, emergency = limits.planned_deceleration, limits.emergency_deceleration
-    nodes = accelerations_about(acceleration, change, planned, emergency, limits.max_acceleration)
-    return CommandGrid(nodes, steering_rate_limit(limits, speed) * _STEERING_LEVELS, ROUNDS)
+    return accelerations_about(acceleration, change, planned, emergency, most), top * STEERING_LEVELS
 
 
 @kernel

@@ -8,18 +8,34 @@ from typing import NamedTuple
 import numpy as np
 
 from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid, wide_grid
-from sumo_reactive.driver.field.desired_speed import HARDER_BY, desired_speed, room_to_brake, without_jerk
+from sumo_reactive.driver.field.demands import (
+    bends_of,
+    car_of,
+    hard_rows,
+    manner_of,
+    slot_rows,
+    speed_rows,
+    timed_rows,
+)
+from sumo_reactive.driver.field.desired_speed import (
+    HARDER_BY,
+    desired_speed,
+    hazard_named,
+    on_curve,
+    room_to_brake,
+    without_jerk,
+)
 from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of
+from sumo_reactive.driver.field.one_pass import STANDS, car_in, commanded
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import Floats
-from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
-from sumo_reactive.driver.nouns.decision import INSTRUCTION_NUMBERS, Instruction
+from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
+from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.record import TOO_NEAR, CommandField
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
-from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
@@ -93,22 +109,51 @@ def execute(
         calm = limits.max_acceleration * completed.tuning.profile.acceleration
         command, state = moved_on(snapshot, completed.move, calm, limits, period)
         return Execution(command, state, state.speed, NO_POTENTIALS, emergency=False)
-    ego = snapshot.ego
+    if nine_commands or completed.tuning.wide_grid:
+        return _of_grid(snapshot, completed, limits, period, valley if nine_commands else None)
+    return _of_lattice(snapshot, completed, limits, period)
+
+
+def _of_lattice(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:
+    """Choose from the lattice: one compiled pass from the constraints to the state that the command leads to."""
+    plan, curve, (pose, speed, angle, acceleration) = completed.plan, completed.plan.curve, snapshot.ego
+    verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned = commanded(
+        snapshot.time, snapshot.s, snapshot.d, snapshot.front, *pose, speed, angle, acceleration, period,
+        manner_of(completed, limits), car_of(completed, limits), driver_of(limits.parameters),
+        hard_rows(snapshot, completed), timed_rows(completed), speed_rows(completed), slot_rows(snapshot, completed),
+        curve.x, curve.y, curve.heading, curve.curvature, bends_of(plan), plan.speed_limits, curve.step,
+        snapshot.static, snapshot.boxes, *snapshot.room,
+    )  # fmt: skip
+    if verdict == STANDS:
+        return Execution(Command(0.0, 0.0), snapshot.ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
+    state = VehicleState(Pose(x, y, heading), faster, turned, (faster - speed) / period)
+    emergency = verdict != ADMISSIBLE or faster < speed - (limits.planned_deceleration + HARDER_BY) * period
+    said = _hazard(hazard_named(hazard, snapshot, completed), verdict) if emergency else ""
+    return Execution(Command(gain, rate), state, wanted, Potentials(total, u1, u2, u3), emergency, said)
+
+
+def _of_grid(
+    snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float, valley: ValleyMap | None
+) -> Execution:
+    """Choose from the nine commands, with a `valley`, or from the wide grid that leads out of a local minimum."""
+    is_paper, speed = valley is not None, snapshot.ego.speed
     wish = desired_speed(snapshot, completed, limits, period)
-    wanted = without_jerk(wish, ego, period, limits.parameters.comfort_jerk)
-    if wanted <= 0.0 and ego.speed == 0.0 and not nine_commands:  # there is nothing to choose
-        return Execution(Command(0.0, 0.0), ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
-    grid = paper_grid(limits, ego.speed, period) if nine_commands else lattice(limits, ego.speed, ego.acceleration, period)
-    if completed.tuning.wide_grid:
-        grid = wide_grid(limits)
-    planned = limits.service_deceleration if nine_commands else limits.planned_deceleration
-    room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if nine_commands else HARD_STOP_MARGIN_M)
-    car = _car(ego, limits, _weights(completed, limits.parameters))
-    bounds = _Bounds(period, room, wanted, min(wanted, ego.speed - planned * period))
-    command, verdict, potentials, state = _choose(snapshot, completed.plan.curve, car, bounds, grid, valley)
-    emergency = verdict != ADMISSIBLE or state.speed < ego.speed - (planned + HARDER_BY) * period
-    hazard = (wish.hazard or TOO_NEAR) if emergency and verdict != NO_COMMAND else ""
-    return Execution(command, state, wanted, potentials, emergency, hazard)
+    wanted = without_jerk(wish.speed, wish.is_pressing, on_curve(snapshot), period, limits.parameters.comfort_jerk)
+    if wanted <= 0.0 and speed == 0.0 and not is_paper:  # there is nothing to choose
+        return Execution(Command(0.0, 0.0), snapshot.ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
+    grid = wide_grid(limits) if completed.tuning.wide_grid else paper_grid(limits, speed, period)
+    planned = limits.service_deceleration if is_paper else limits.planned_deceleration
+    room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if is_paper else HARD_STOP_MARGIN_M)
+    bounds = _Bounds(period, room, wanted, min(wanted, speed - planned * period))
+    car = _car(snapshot.ego, completed, limits)
+    command, verdict, potentials, state = _choose(snapshot, completed.plan.curve, car, bounds, grid, valley or NO_MAP)
+    emergency = verdict != ADMISSIBLE or state.speed < speed - (planned + HARDER_BY) * period
+    return Execution(command, state, wanted, potentials, emergency, _hazard(wish.hazard, verdict) if emergency else "")
+
+
+def _hazard(named: str, verdict: int) -> str:
+    """Return what an emergency is for; nothing if no command is admissible."""
+    return "" if verdict == NO_COMMAND else named or TOO_NEAR
 
 
 def field_over(
@@ -122,9 +167,9 @@ def field_over(
         return None
     ego, grid = snapshot.ego, lattice(limits, snapshot.ego.speed, snapshot.ego.acceleration, period)
     wish = desired_speed(snapshot, completed, limits, period)
-    wanted = without_jerk(wish, ego, period, limits.parameters.comfort_jerk)
+    wanted = without_jerk(wish.speed, wish.is_pressing, on_curve(snapshot), period, limits.parameters.comfort_jerk)
     room = room_to_brake(snapshot, completed, HARD_STOP_MARGIN_M)
-    car = _car(ego, limits, _weights(completed, limits.parameters))
+    car = _car(ego, completed, limits)
     bounds = _Bounds(period, room, wanted, min(wanted, ego.speed - limits.planned_deceleration * period))
     shape = len(grid.accelerations), len(grid.steering_rates)
     potentials = np.full(shape, np.inf)
@@ -151,28 +196,9 @@ def _choose(
     return Command(acceleration, rate), verdict, potentials, state
 
 
-def _car(ego: VehicleState, limits: VehicleLimits, w: Weights) -> Floats:
+def _car(ego: VehicleState, completed: CompletedPlan, limits: VehicleLimits) -> Floats:
     """Return where the car is, what it can do and what its instruction weighs, as `choose_command` takes them."""
-    p = ego.pose
-    lateral = abs(ego.speed * ego.speed * math.sin(ego.steering_angle) / limits.wheelbase)
-    return np.array(
-        (
-            p.x, p.y, p.heading, ego.speed, ego.steering_angle,
-            limits.wheelbase, limits.front_to_rear_axle, limits.length, limits.width, limits.max_speed,
-            max(limits.max_steering_angle, abs(ego.steering_angle)), limits.max_lateral_acceleration,
-            limits.emergency_deceleration, lateral, w.valley, w.shadow, w.velocity,
-        )
-    )  # fmt: skip
-
-
-def _weights(completed: CompletedPlan, parameters: Parameters) -> Weights:
-    """Return w₁, w₂, w₃ of the instruction."""
-    w = completed.tuning.weights
-    if parameters.shares_of not in (0.0, INSTRUCTION_NUMBERS[completed.instruction]):
-        return w
-    return Weights(
-        w.valley * parameters.valley_share, w.shadow * parameters.shadow_share, w.velocity * parameters.velocity_share
-    )
+    return car_in(car_of(completed, limits), *ego.pose, ego.speed, ego.steering_angle)
 
 
 def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:

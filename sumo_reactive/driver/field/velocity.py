@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
 
@@ -14,6 +16,7 @@ def velocity_potential(speed: float, desired_speed: float) -> float:
     return abs(speed - desired_speed)
 
 
+@kernel
 def cruise_speed(speed: float, distance: float, time_left: float, top_speed: float, acceleration: float) -> float:
     """Cruising speed of the accelerate–cruise profile that covers `distance` d₂ (m) in `time_left` (s).
 
@@ -31,6 +34,7 @@ def cruise_speed(speed: float, distance: float, time_left: float, top_speed: flo
     return top_speed if root <= 0.0 else min(top_speed, b - math.sqrt(root))
 
 
+@kernel
 def rolling_speed(speed: float, room: float, time_left: float, lag: float, braking: float) -> float:
     """Speed c (m/s) to which a car falls that in `time_left` (s) is to be as near as it can still stop: `room` (m) less
     c²/2b from where it is, b the `braking` (m/s²). Infinite when the time is over.
@@ -38,7 +42,7 @@ def rolling_speed(speed: float, room: float, time_left: float, lag: float, braki
     It falls to c as e^(−t/τ), τ the `lag` (s): in T it covers c·T + (v − c)·τ(1 − e^(−T/τ)) = room − c²/2b, solved for c.
     """
     if time_left <= 0.0:
-        return math.inf
+        return np.inf
     late = lag * (1.0 - math.exp(-time_left / lag))
     b = braking * (time_left - late)
     return max(math.sqrt(max(b * b + 2.0 * braking * (room - speed * late), 0.0)) - b, 0.0)
