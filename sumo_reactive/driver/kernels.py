@@ -8,7 +8,7 @@ from sumo_reactive.driver.field.velocity import carried_out
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.pilot.assessment import time_of
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
-from sumo_reactive.driver.view.corridor import blocking_ones, near_boxes
+from sumo_reactive.driver.view.corridor import blocking_ones, related
 from sumo_reactive.driver.view.foresee import point_at, turned
 
 
@@ -22,7 +22,7 @@ def load_kernels() -> None:
     Polyline(path[:, :2]).sampled(1.0)
     turned(path, 0.0, 1.0, 0.0, 1.0)
     point_at(path, 0.0)
-    near_boxes(boxes, 0.0, 0.0, 0.0, 0.0, 1.0)
+    related(boxes, 0.0, 0.0, 0.0, 0.0, 1.0, x, y, y, 1.0, 0.0, 1.0, y, y, 0.0)
     blocking_ones(boxes, x, y, y, 1.0, 0.0, 1.0, y, y, 0.0)
     stopping_speed(1.0, 1.0, 1.0)
     following_speed(1.0, 1.0, 1.0, 1.0)

@@ -120,7 +120,8 @@ class Trip:
         front = front_of(step.drive.ego.pose, self.limits)
         record = _record(step, self._session.time, front, lane_id, light, self._control_us)
         crossed = self._stop_lines.crossed(lane_id)
-        beside, traffic = self._bystanders.look(), self._traffic
+        traffic = self._traffic
+        beside = self._bystanders.look({user.id for user in traffic.users})
         period = min(self._session.step_length, self.limits.parameters.control_period_s)
         has_field = step.runs and self.profile == Profile.DEFAULT.value
         field = partial(field_over, step.snapshot, step.completed, self.limits, period) if has_field else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import libsumo
@@ -31,6 +31,9 @@ _SEEN = (
     tc.VAR_ACCELERATION,
 )  # fmt: skip
 
+_PLACES = tc.VAR_POSITION3D, tc.VAR_LANE_ID
+"""What tells who is near: turning a value into one of Python's costs more than SUMO's search."""
+
 
 class VehicleScene(NamedTuple):
     """The vehicle and the others near it after a step, and the letters of a light whose stop line it crosses (`Scene`)."""
@@ -53,7 +56,7 @@ class ObservedVehicle:
         self._reach = reach
         self._stop_lines = StopLines(read_signals())
         self._routes: dict[str, tuple[str, tuple[str, ...]]] = {}
-        _subscribe(vehicle_id, reach)
+        _subscribe(vehicle_id, reach, _SEEN)
 
     def look(self) -> VehicleScene | None:
         """Return what there is to see after a step; None while SUMO has the vehicle off the road, or it has arrived."""
@@ -102,14 +105,22 @@ class Bystanders:
     def __init__(self, vehicle_id: str) -> None:
         self._vehicle_id = vehicle_id
         self._junctions: dict[str, frozenset[str]] = {}
-        _subscribe(vehicle_id, TOUCHING_M)
+        _subscribe(vehicle_id, TOUCHING_M, _PLACES)
 
-    def look(self) -> tuple[RoadUser, ...]:
-        """Return them after a step."""
-        seen = _seen_from(self._vehicle_id)
-        here = self._ends_of(seen[self._vehicle_id][tc.VAR_LANE_ID]) if seen else frozenset()
-        others = (_user(name, one) for name, one in seen.items() if name != self._vehicle_id and not is_stand_in(name))
-        return tuple(user for user in others if not here or not (there := self._ends_of(user.lane_id)) or here & there)
+    def look(self, known: Container[str] = ()) -> tuple[RoadUser, ...]:
+        """Return them after a step, those left out who are `known` already."""
+        seen = libsumo.vehicle.getContextSubscriptionResults(self._vehicle_id)
+        own = seen.get(self._vehicle_id)
+        strangers = [name for name in seen if name not in known and name != self._vehicle_id and not is_stand_in(name)]
+        if own is None or not strangers:
+            return ()
+        level, here = own[tc.VAR_POSITION3D][2], self._ends_of(own[tc.VAR_LANE_ID])
+        return tuple(_read(name, seen[name]) for name in strangers if self._is_beside(seen[name], level, here))
+
+    def _is_beside(self, seen: Mapping[int, Any], level: float, here: frozenset[str]) -> bool:
+        """Whether somebody is on the vehicle's level (m), on a road that joins one of the junctions `here`."""
+        there = self._ends_of(seen[tc.VAR_LANE_ID])
+        return abs(seen[tc.VAR_POSITION3D][2] - level) < SAME_LEVEL_M and not (here and there and not here & there)
 
     def _ends_of(self, lane_id: str) -> frozenset[str]:
         """Return the junctions that a lane joins, one for a lane inside a junction, none where there is no lane."""
@@ -124,8 +135,8 @@ class Bystanders:
         _unsubscribe(self._vehicle_id, TOUCHING_M)
 
 
-def _subscribe(vehicle_id: str, reach: float) -> None:
-    libsumo.vehicle.subscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach, list(_SEEN))
+def _subscribe(vehicle_id: str, reach: float, variables: Sequence[int]) -> None:
+    libsumo.vehicle.subscribeContext(vehicle_id, tc.CMD_GET_VEHICLE_VARIABLE, reach, list(variables))
 
 
 def _unsubscribe(vehicle_id: str, reach: float) -> None:
@@ -147,3 +158,14 @@ def _user(name: str, seen: Mapping[int, Any], route: tuple[str, ...] = ()) -> Ro
     (x, y, _), angle, speed, lane_id, position, length, width, gain = (seen[variable] for variable in _SEEN)
     body = Body(*size_of_body(name, length, width), emergency_deceleration=math.nan, max_speed=math.nan)
     return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route, acceleration=gain)
+
+
+def _read(name: str, seen: Mapping[int, Any]) -> RoadUser:
+    """Return a vehicle of which the place alone is subscribed."""
+    vehicle, (x, y, _) = libsumo.vehicle, seen[tc.VAR_POSITION3D]
+    size = size_of_body(name, vehicle.getLength(name), vehicle.getWidth(name))
+    body = Body(*size, emergency_deceleration=math.nan, max_speed=math.nan)
+    return RoadUser(
+        name, x, y, heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name), seen[tc.VAR_LANE_ID],
+        vehicle.getLanePosition(name), body, acceleration=vehicle.getAcceleration(name),
+    )  # fmt: skip

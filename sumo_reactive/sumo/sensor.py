@@ -167,40 +167,37 @@ class Sensor:
 
     def vehicles(self, lanes: tuple[SeenLane, ...]) -> list[RoadUser]:
         """Return who drives or stands on `lanes`, stand-ins left out."""
-        seen, found = self._seen, list[RoadUser]()
+        seen, found, names_on = self._seen, list[RoadUser](), libsumo.lane.getLastStepVehicleIDs
         for lane in lanes:
-            users = seen.get(lane[0])
+            lane_id = lane[0]
+            users = seen.get(lane_id)
             if users is None:
-                users = seen[lane[0]] = self._read(lane)
+                names = names_on(lane_id)
+                users = seen[lane_id] = self._read(names, *lane) if names else ()
             if users:
                 found += users
         return found
 
-    def _read(self, lane: SeenLane) -> tuple[RoadUser, ...]:
-        names = libsumo.lane.getLastStepVehicleIDs(lane.lane_id)
-        return tuple(self._vehicles(names, *lane)) if names else ()
-
-    def _vehicles(
+    def _read(
         self, names: tuple[str, ...], lane_id: str, edge_id: str, scale: float, internal: bool
-    ) -> Iterator[RoadUser]:
-        vehicle, known_ones, now = libsumo.vehicle, self._known, self._now
+    ) -> tuple[RoadUser, ...]:
+        vehicle, known_ones, now, found = libsumo.vehicle, self._known, self._now, list[RoadUser]()
         for name in names:
             known = known_ones.get(name)
             if known is None and is_stand_in(name):
                 continue
             if known is None or known.edge_id != edge_id or now >= known.until:
                 known = self._know(name, known, edge_id, internal)
+            body, _, _, route = known
             x, y = vehicle.getPosition(name)
             heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name) * scale
-            position = vehicle.getLanePosition(name) * scale
+            position, gain, waiting, halted = vehicle.getLanePosition(name) * scale, 0.0, 0.0, False
             if speed > STANDING_SPEED:
                 gain = vehicle.getAcceleration(name) * scale
-                yield RoadUser(
-                    name, x, y, heading, speed, lane_id, position, known.body, known.route, acceleration=gain
-                )
-                continue
-            waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
-            yield RoadUser(name, x, y, heading, speed, lane_id, position, known.body, known.route, waiting, halted)
+            else:
+                waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
+            found.append(RoadUser(name, x, y, heading, speed, lane_id, position, body, route, waiting, halted, gain))
+        return tuple(found)
 
     def on_crossing(self, crossing: SeenCrossing) -> Iterator[RoadUser]:
         """Yield who walks over a crossing."""

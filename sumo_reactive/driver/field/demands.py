@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from struct import Struct
 from typing import NamedTuple
@@ -33,9 +34,10 @@ _NO_SLOTS: Floats = np.empty((0, 2))
 class Manner(NamedTuple):
     """How the car is driven under an instruction: decelerations and accelerations in m/s², times in s, ways in m.
 
-    `comfort`, `planned`, `emergency`: how hard it brakes; `eases`: what the driver calls comfortable whatever the instruction;
-    `gains`: how fast it gains speed under the instruction, `most`: at the most. `headway` and `gap` are kept to a leader, a
-    `line_margin` to a line. `lateral`: the largest lateral acceleration, `steering_rate` in rad/s. `has_times`, `has_room`: 1, or 0 with that mechanism taken out. The rest are parameters.
+    `comfort`, `planned`, `emergency`: how hard it brakes; `eases`: what the driver calls comfortable under any instruction;
+    `gains`: how fast it gains speed under this one, `most`: at the most. `headway` and `gap` are kept to a leader, a
+    `line_margin` to a line. `lateral`: the largest lateral acceleration, `steering_rate` in rad/s. `has_times`, `has_room`:
+    1, or 0 with that mechanism taken out. The rest are parameters.
     """
 
     comfort: float
@@ -117,8 +119,9 @@ def hard_ones(snapshot: Snapshot, completed: CompletedPlan) -> tuple[TimeConstra
 def hard_rows(snapshot: Snapshot, completed: CompletedPlan) -> Floats:
     """Return the rows (n, 7) of the hard constraints."""
     leaders = _leaders(snapshot, completed)
-    kept_rows = _hard_rows(completed)
-    return np.concatenate((kept_rows, _rows(leaders))) if leaders else kept_rows
+    if not leaders:
+        return _hard_rows(completed)
+    return _unpacked(_hard_packed(completed) + b"".join(map(_packed, leaders)))
 
 
 def _leaders(snapshot: Snapshot, completed: CompletedPlan) -> tuple[TimeConstraint, ...]:
@@ -130,6 +133,11 @@ def _leaders(snapshot: Snapshot, completed: CompletedPlan) -> tuple[TimeConstrai
 @kept(1)
 def _hard_rows(completed: CompletedPlan) -> Floats:
     return _rows(completed.hard)
+
+
+@kept(1)
+def _hard_packed(completed: CompletedPlan) -> bytes:
+    return b"".join(map(_packed, completed.hard))
 
 
 @kept(1)
@@ -154,13 +162,17 @@ def slot_rows(snapshot: Snapshot, completed: CompletedPlan) -> Floats:
 
 
 def _rows(constraints: Iterable[TimeConstraint]) -> Floats:
-    packed = [
-        _ROW.pack(
-            one.s, one.time, one.speed, bool(one.behind), one.braking, one.is_certain, one.reason is Reason.ON_SCHEDULE
-        )
-        for one in constraints
-    ]
-    return np.frombuffer(bytearray().join(packed)).reshape(-1, 7) if packed else _NO_ROWS
+    return _unpacked(b"".join(map(_packed, constraints)))
+
+
+def _packed(one: TimeConstraint) -> bytes:
+    s, time, speed, _, reason, _, _, behind, braking = one
+    is_certain = time < math.inf and one.is_certain
+    return _ROW.pack(s, time, speed, bool(behind), braking, is_certain, reason is Reason.ON_SCHEDULE)
+
+
+def _unpacked(packed: bytes) -> Floats:
+    return np.frombuffer(bytearray(packed)).reshape(-1, 7) if packed else _NO_ROWS
 
 
 @kept(PLANS_KEPT)

@@ -86,8 +86,8 @@ class Wish(NamedTuple):
 
 
 class OnCurve(NamedTuple):
-    """The ego at `time` (s): front axle at `s` of C, `d` m to its left, front bumper at `front` m; its `heading` and steering
-    `angle` (rad), its `speed` (m/s) and the `acceleration` (m/s²) commanded last."""
+    """The ego at `time` (s): front axle at `s` of C, `d` m to its left, front bumper at `front` m; `heading` and steering
+    `angle` (rad), `speed` (m/s) and the `acceleration` (m/s²) commanded last."""
 
     time: float
     s: float
@@ -243,7 +243,7 @@ def _cruise(
             timely = cruise_speed(speed, row[PLACE] - ego.front, left, road, manner.gains)
             best = min(best, timely if is_on_schedule else _gently(speed, timely, period))
         is_first = is_first and row[PLACE] <= ego.front
-    return speed + (best - speed) * min(1.0, period / manner.approach) if best > speed else best
+    return float(speed + (best - speed) * min(1.0, period / manner.approach) if best > speed else best)
 
 
 @kernel

@@ -26,8 +26,8 @@ from sumo_reactive.driver.field.desired_speed import (
     without_jerk,
 )
 from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of
-from sumo_reactive.driver.field.one_pass import STANDS, car_in, commanded
 from sumo_reactive.driver.field.moves import moved_on
+from sumo_reactive.driver.field.one_pass import STANDS, car_in, commanded
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.geometry.polyline import Floats

@@ -89,10 +89,10 @@ class Scene(NamedTuple):
     """All that a judge may look at after a step of `ego`, as SUMO has it: the ego's record and every road user near.
 
     `crossed`: the letters, before the step and in it, of a light whose stop line the ego crosses (empty: none crossed).
-    `beside`: all vehicles so near that they might touch the ego, whether its driver looks at them or not. `world`: the roads
-    around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force (None:
-    its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands among
-    which this step's was chosen, where the pilot has decided (None: it has not).
+    `beside`: all other vehicles so near that they might touch the ego, though its driver does not look at them. `world`: the
+    roads around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force
+    (None: its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands
+    among which this step's was chosen, where the pilot has decided (None: it has not).
     """
 
     step: StepRecord

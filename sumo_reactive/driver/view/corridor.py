@@ -159,6 +159,17 @@ def blocking_ones(
     return which[:n], out[:n]
 
 
+@kernel
+def related(
+    boxes: Floats, x: float, y: float, heading: float, speed: float, length: float,
+    cx: Floats, cy: Floats, ch: Floats, step: float, start: float, end: float, left: Floats, right: Floats, widest: float,
+) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Floats]:  # fmt: skip
+    """Return what `near_boxes` and `blocking_ones` return of the same boxes, in one call: a step asks for both."""
+    near, touchable = near_boxes(boxes, x, y, heading, speed, length)
+    which, stretches = blocking_ones(boxes, cx, cy, ch, step, start, end, left, right, widest)
+    return near, touchable, which, stretches
+
+
 @kept(PLANS_KEPT)
 def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[OffTracking, ...]:
     """Return where the body covers lanes beside its own while the front axle follows C, in order along C.

@@ -26,7 +26,7 @@ from sumo_reactive.driver.view.attention import (
     lane_sought,
     place_beside,
 )
-from sumo_reactive.driver.view.corridor import TURN_FORESEEN_S, band_of, blocking_ones, near_boxes, next_off_tracking
+from sumo_reactive.driver.view.corridor import TURN_FORESEEN_S, band_of, blocking_ones, next_off_tracking, related
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
 from sumo_reactive.driver.view.lane_room import lane_room
 from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
@@ -46,7 +46,7 @@ MEETING_STEP_S = 0.1
 SWUNG_STEP_M = 1.0
 """Who comes over C farther along his way is looked for in such steps."""
 
-_NO_BOXES: Floats = np.empty((0, 6))
+_NO_ONE_NEAR: Floats = np.empty((0, 8))
 
 _BOX = Struct("6d")
 
@@ -67,8 +67,7 @@ def perceive(
     """
     s, d = place
     front = s + limits.front_overhang
-    boxes = _boxes(traffic.users)
-    on_path = tuple(_on_path(traffic.users, boxes, plan, limits, front, ego.speed))
+    near, on_path = _related(traffic.users, plan, graph, ego, limits, front)
     sight = in_sight(plan, front, ego.speed)
     sought = lane_sought(graph, plan, front)
     off_tracking = next_off_tracking(plan, graph, limits, s, front)
@@ -77,7 +76,6 @@ def perceive(
     beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
-    near = _near(traffic.users, boxes, graph, ego, limits)
     static = static_near(graph, plan, limits.vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = [
@@ -85,7 +83,7 @@ def perceive(
         if not _stands_beside(obstacle, ego, front, plan.curve.step, limits)
         and not _passes_by(obstacle, plan, graph, limits, front, ego.speed)
     ]  # fmt: skip
-    behind = tuple(leaders(met, front, ego.speed, limits))
+    behind = tuple(leaders(met, front, ego.speed, limits)) if met else ()
     behind += tuple(_swings_back(traffic.users, on_path, plan, graph, limits, front))
     if narrows:
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
@@ -106,38 +104,34 @@ def _comes_first(off_tracking: OffTracking, plan: NominalPlan, front: float) -> 
 
 def _boxes(users: tuple[RoadUser, ...]) -> Floats:
     """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
-    if not users:
-        return _NO_BOXES
     pack = _BOX.pack
     packed = [pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users]  # by place: it is done for all at every step
     return np.frombuffer(bytearray().join(packed)).reshape(-1, 6)
 
 
-def _near(
-    users: tuple[RoadUser, ...], boxes: Floats, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits
-) -> Floats:
-    """Return the boxes (m, 8) of those of `users` who are near; who cannot be touched within the foreseen time has no turn
-    rate, and no end of his way."""
-    pose = ego.pose
-    near, touchable = near_boxes(boxes, pose.x, pose.y, pose.heading, ego.speed, limits.length)
-    for row, k in touchable.tolist():
+def _related(
+    users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
+) -> tuple[Floats, tuple[PathObstacle, ...]]:
+    """Return the boxes (m, 8) of those of `users` who are near, and who blocks the corridor.
+
+    Who cannot be touched within the foreseen time has no turn rate, and no end of his way.
+    """
+    if not users:
+        return _NO_ONE_NEAR, ()
+    curve, (x, y, heading), speed = plan.curve, ego.pose, ego.speed
+    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
+    near, touchable, blocking, stretches = related(
+        _boxes(users), x, y, heading, speed, limits.length,
+        curve.x, curve.y, curve.heading, curve.step, front, reach, *band_of(curve, limits),
+    )  # fmt: skip
+    for row, k in touchable.tolist() if len(touchable) else ():
         user = users[k]
         if not user.body.is_person:
             near[row, 6], near[row, 7] = turn_rate(graph, user, TURN_FORESEEN_S), way_left(graph, user)
-    return near
-
-
-def _on_path(
-    users: tuple[RoadUser, ...], boxes: Floats, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float
-) -> list[PathObstacle]:
-    curve = plan.curve
-    reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
-    band = band_of(curve, limits)
-    blocking, stretches = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, front, reach, *band)
     if not len(blocking):
-        return []
+        return near, ()
     pairs = zip(blocking.tolist(), stretches.tolist(), strict=True)
-    return [PathObstacle(users[k], *stretch) for k, stretch in pairs]
+    return near, tuple(PathObstacle(users[k], *stretch) for k, stretch in pairs)
 
 
 def _passes_by(

@@ -141,8 +141,8 @@ def test_a_car_that_stands_needs_no_room():
 
 
 def test_the_steering_rate_falls_with_the_square_of_the_speed():
-    assert steering_rate_limit(CAR.max_steering_rate, USUAL.max_lateral_jerk, L, 0.0) == CAR.max_steering_rate
-    assert steering_rate_limit(CAR.max_steering_rate, USUAL.max_lateral_jerk, L, 20.0) == pytest.approx(USUAL.max_lateral_jerk * L / 400.0)
+    for speed, limit in ((0.0, CAR.max_steering_rate), (20.0, USUAL.max_lateral_jerk * L / 400.0)):
+        assert steering_rate_limit(CAR.max_steering_rate, USUAL.max_lateral_jerk, L, speed) == pytest.approx(limit)
 
 
 def test_the_gentlest_brake_is_one_comfortable_jerk_from_what_the_car_does_or_from_coasting():
