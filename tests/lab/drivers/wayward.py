@@ -32,6 +32,15 @@ class CrashesAt20(Obedient):
         return super().step(view) if view.time < 20.0 - 1e-6 else 1 / 0
 
 
+class LooksBack(Obedient):
+    """Looks at the lanes around when it has left them behind."""
+
+    def step(self, view):
+        """Look at what was shown in the step before."""
+        self.shown, before = view, getattr(self, "shown", None)
+        return LaneCommand(self.gain, before.surroundings.own.number if before else None, True)
+
+
 class Quits(Obedient):
     """Ends the whole process, or tries to."""
 
