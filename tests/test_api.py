@@ -3,13 +3,19 @@
 import dataclasses
 import importlib
 import inspect
+import os
 import pkgutil
 import subprocess
 import sys
+import tomllib
 import typing
+import venv
+from pathlib import Path
 
 import sumo_reactive
 from sumo_reactive import Controller, Driver, compare, load_scenario, read_run, run_fleet, run_trial
+
+ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_the_package_offers_what_programs_need():
@@ -47,6 +53,34 @@ def test_what_has_more_than_four_fields_is_made_by_keywords_alone():
     given = {one.__name__: [field.kw_only for field in dataclasses.fields(one) if field.init] for one in values}
     assert len(given) > 50
     assert {name for name, by_keyword in given.items() if len(by_keyword) > 4 and not all(by_keyword)} == set()
+
+
+USE = """from pathlib import Path
+
+from sumo_reactive import compare, load_scenario, run_trial
+
+scenario = load_scenario(Path("a.toml"))
+reveal_type(run_trial(scenario).verdict)
+reveal_type(compare([scenario], horizon_s=1.0, jobs=1, wall_limit_s=1.0))
+run_trial("a.toml")
+"""
+
+
+def test_a_program_elsewhere_is_checked_against_the_types_of_an_editable_install(tmp_path):
+    """It leaves a path in the environment, as `package-dir` asks for; a finder, the default, tells type checkers nothing."""
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert config["tool"]["setuptools"]["package-dir"] == {"": "."}
+    venv.create(tmp_path / "env", symlinks=True)
+    (packages,) = (tmp_path / "env").glob("lib/python3.*/site-packages")
+    (packages / "__editable__.sumo_reactive.pth").write_text(f"{ROOT}\n", encoding="utf-8")
+    (tmp_path / "use.py").write_text(USE, encoding="utf-8")
+    options = ["--strict", "--cache-dir", ".cache", "--python-executable", "env/bin/python", "--follow-imports", "silent"]
+    command = [sys.executable, "-m", "mypy", *options, "use.py"]
+    bare = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "MYPYPATH")}
+    told = subprocess.run(command, cwd=tmp_path, env=bare, capture_output=True, text=True, timeout=240, check=False).stdout
+    assert 'use.py:6: note: Revealed type is "str"' in told
+    assert 'use.py:7: note: Revealed type is "list[sumo_reactive.lab.comparison.comparison.Comparison]"' in told
+    assert 'use.py:8: error: Argument 1 to "run_trial" has incompatible type "str"; expected "Scenario"' in told
 
 
 def test_what_it_does_not_have_is_told():
