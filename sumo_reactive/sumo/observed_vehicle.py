@@ -77,13 +77,16 @@ class ObservedVehicle:
     def _route(self, name: str, lane_id: str) -> tuple[str, ...]:
         """Return the edges that a vehicle has still to drive, its present one first; inside a junction the next one."""
         known = self._routes.get(name)
-        if known is None or known[0] != lane_id:
-            edge = edge_id_of(lane_id)
-            if known is None or known[1] != edge:
-                first = max(libsumo.vehicle.getRouteIndex(name) + edge.startswith(":"), 0)
-                known = lane_id, edge, tuple(libsumo.vehicle.getRoute(name)[first:])
-            self._routes[name] = known = lane_id, edge, known[2]
-        return known[2]
+        if known is not None and known[0] == lane_id:
+            return known[2]
+        edge = edge_id_of(lane_id)
+        if known is not None and known[1] == edge:
+            route = known[2]
+        else:
+            first = max(libsumo.vehicle.getRouteIndex(name) + edge.startswith(":"), 0)
+            route = tuple(libsumo.vehicle.getRoute(name)[first:])
+        self._routes[name] = lane_id, edge, route
+        return route
 
     def _persons(self, own: RoadUser) -> Iterator[RoadUser]:
         """Yield who walks over a crossing near."""
