@@ -145,7 +145,9 @@ def scene():  # type: ignore[no-untyped-def]
     pose = Pose(x - back * math.cos(heading), y - back * math.sin(heading), heading)
     start = PlanStart(pose, SPEED, 0.0, 100.0, f"{ROUTE[0]}_0", at, 0)
     nominal = plan(graph, Route(ROUTE), limits, start)
-    return Controller(graph, limits), Traffic(100.0, tuple(users), {}), Drive(VehicleState(pose, SPEED, 0.0), nominal, 0.0)
+    return Controller(graph=graph, limits=limits), Traffic(time=100.0, users=tuple(users), lights={}), Drive(
+        VehicleState(pose, SPEED, 0.0), nominal, 0.0
+    )
 
 
 def _timed(call: Callable[[], object], repeats: int) -> tuple[np.ndarray, np.ndarray]:

@@ -100,7 +100,7 @@ PARTS = Parts()
 """The paper's."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Controller:
     """The paper's motion controller for one car in one world (F&L 1991, figure 1)."""
 

@@ -16,7 +16,7 @@ from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.errors import ParameterError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Parameters:
     """The driver's parameters, each with unit, symbol and source: times in s, lengths in m, speeds in m/s, accelerations in
     m/s² unless told otherwise. Raises ParameterError for one that is negative, not finite or too small to divide by."""

@@ -144,8 +144,9 @@ class SumoReactiveEnv(gymnasium.Env[Observation, Floats32]):
         touches = any(fault.kind == "collision" for fault in faults)
         info: dict[str, Any] = {"faults": [str(fault) for fault in faults]}
         if has_ended or touches:
-            figures = jury.figures()
-            info |= {"verdict": simulation.results[0].verdict if has_ended else str(faults[0]), "figures": figures}
+            result = simulation.results[0] if has_ended else None
+            verdict, figures = (result.verdict, result.figures) if result else (str(faults[0]), jury.figures())
+            info |= {"verdict": verdict, "figures": figures}
         terminated = touches or (has_ended and trip.arrived)
         is_lost = math.dist((after.ego.x, after.ego.y), self._way[self._k]) > LOST_M
         return observation_of(after, self._way, self._k), reward, terminated, not terminated and (has_ended or is_lost), info

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,6 +76,11 @@ def _box(rows: int, columns: tuple[Column, ...]) -> Box:
 BOXES = {name: _box(*shape) for name, shape in OBSERVED.items()}
 """The space of each array."""
 
+_LOWS, _HIGHS = (np.concatenate([getattr(box, end).ravel() for box in BOXES.values()]) for end in ("low", "high"))
+_ENDS = list(accumulate((math.prod(box.shape) for box in BOXES.values()), initial=0))
+_PLACES = [*zip(BOXES, _ENDS, _ENDS[1:], strict=False)]
+"""All arrays beside each other: the limits, and where each begins and ends."""
+
 
 def observation_of(view: DriverView, way: Points, k: int) -> Observation:
     """Return the arrays of a view by an ego whose front is at point `k` of its way (n, 2), clipped to their limits."""
@@ -91,7 +97,9 @@ def observation_of(view: DriverView, way: Points, k: int) -> Observation:
         "ego": ego, "way": _way_ahead(view, way, k), "users": _users(view), "lanes": [_lane(lane) for lane in lanes],
         "light": (light.distance, light.letter in "ru", light.letter in "yY") if light else (FAR_M, 0.0, 0.0),
     }  # fmt: skip
-    return {name: np.clip(rows[name], box.low, box.high).astype(np.float32) for name, box in BOXES.items()}
+    flat = np.concatenate([np.ravel(rows[name]) for name in BOXES])
+    clipped = np.minimum(np.maximum(flat, _LOWS), _HIGHS).astype(np.float32)
+    return {name: clipped[begin:end].reshape(BOXES[name].shape) for name, begin, end in _PLACES}
 
 
 def _way_ahead(view: DriverView, way: Points, k: int) -> NDArray[np.float64]:
@@ -120,10 +128,11 @@ def _users(view: DriverView) -> NDArray[np.float64]:
         return rows
     places = _seen_from(view, np.array([(user.x, user.y) for user in users]))
     nearest = np.argsort(np.einsum("ij,ij->i", places, places), kind="stable")[:number]
-    for row, k in enumerate(nearest):
-        user, (x, y) = users[k], places[k]
-        turn = wrapped(user.heading - view.ego.heading)
-        rows[row] = 1.0, x, y, turn, user.speed, user.body.length, user.body.width
+    found = [users[k] for k in nearest.tolist()]
+    rows[: len(found)] = [
+        (1.0, 0.0, 0.0, wrapped(one.heading - view.ego.heading), one.speed, one.body.length, one.body.width) for one in found
+    ]
+    rows[: len(found), 1:3] = places[nearest]
     return rows
 
 

@@ -43,7 +43,7 @@ def run_share(task: Task) -> dict[str, Any]:
         )  # fmt: skip
         fleet = run_fleet(asked, EgoRule(probability=share), observer=see, may_be_nobody=True)
         figures = _of_egos(fleet) | network_figures(outputs, fleet.until - config.begin_s)
-    network = NetworkResult(share, figures, _faults(fleet.results), config.begin_s)
+    network = NetworkResult(share=share, metrics=figures, faults=_faults(fleet.results), departure_s=config.begin_s)
     return {"network": network, "trajectory": digest.hexdigest()}
 
 

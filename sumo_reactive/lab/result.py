@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from sumo_reactive.sumo.recount import Recount
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TrialResult:
     """One trial. Times are simulation seconds; `end_s` is when the ego arrived or the run ended.
 
@@ -109,7 +109,7 @@ class TrialResult:
         return "; ".join((*(faults or ["arrived without a violation"]), *map(str, self.metric_failures)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FleetResult:
     """What the trips of all egos came to, in order of departure; `refused`: vehicles that could not be taken over, and why.
 
@@ -145,7 +145,7 @@ class FleetResult:
         return int(bool(self.faulty))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NetworkResult:
     """What a run with a `share` of egos came to: `metrics` of the egos and of the whole network, what became of each ego
     that had a fault; simulation time at the begin (s)."""

@@ -68,8 +68,8 @@ class Runner:
         """Run a task; whatever happens to it is told by the outcome. The limit (s) begins when the process is ready."""
         ending, value, wall_s = self.call(_RUN if task.share is None else _RUN_SHARE, task, wall_limit_s)
         if ending is not Ending.DONE:
-            return Outcome(task, ending, reason=value, wall_s=wall_s)
-        return Outcome(task, ending, **value, wall_s=wall_s)
+            return Outcome(task=task, ending=ending, reason=value, wall_s=wall_s)
+        return Outcome(task=task, ending=ending, **value, wall_s=wall_s)
 
     def call(self, function: str, argument: object, wall_limit_s: float) -> Answer:
         """Call a function ("module:name") in the process; return how that ended, its value or why not, wall-clock s."""

@@ -57,7 +57,7 @@ class Expectation(TomlTable):
 DEFAULT_SEED = 42
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scenario:
     """One run: SUMO configuration `config`, vehicle `ego` (None: to be chosen), as named by the file `source`.
 

@@ -33,7 +33,7 @@ class Ending(Enum):
     TIMEOUT = "timeout"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Outcome:
     """What became of a task. `reason` is empty when it is done; `entries` are the decisions of the reactive driver,
     `reasons` what a driver of the user's gave from when on (s).

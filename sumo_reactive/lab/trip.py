@@ -79,7 +79,9 @@ class Trip:
         graph = net.build(ego.route.edges)
         self._routes = 1
         choose_lanes(graph, ego.route, ego.limits.vehicle_class)  # or an error, before the ego is taken over
-        controller = Controller(graph, ego.limits, scenario.profile, scenario.delays, parts)
+        controller = Controller(
+            graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
+        )
         self._observer = EgoObserver(ego_id, sensor, ego.limits)
         self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)

@@ -80,7 +80,7 @@ class _SummaryKeys(Keys):
     hard_brakes: tuple[_FaultKeys, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Recording:
     """The record in `folder`: its summary as plain data, the pilot's entries in order of time, outlines of regions, m.
 
@@ -130,7 +130,7 @@ def read_run(folder: Path) -> Recording:
     has_regions = is_there(folder / REGIONS)
     regions = read_json(folder / REGIONS, _Regions, "the regions of a run") if has_regions else {}
     reasons = _read_reasons(folder / SAID) if is_there(folder / SAID) else ()
-    return Recording(folder, summary, entries, regions, reasons)
+    return Recording(folder=folder, summary=summary, entries=entries, regions=regions, reasons=reasons)
 
 
 def _read_reasons(path: Path) -> tuple[tuple[float, str], ...]:

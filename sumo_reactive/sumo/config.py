@@ -96,7 +96,7 @@ def option_words(options: Mapping[str, str]) -> list[str]:
     return [word for name, value in options.items() for word in (f"--{name.lstrip('-')}", value)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SumoConfig:
     """A `.sumocfg` as read: `options` by full name, files resolved beside it, times in s."""
 

@@ -15,43 +15,50 @@ _UNCHECKED, _CHECKED = 32, 31
 _BLIND, _CAREFUL = 0, 512
 """SUMO's modes of lane changing: as commanded; as commanded where the others leave the gap."""
 
+_Found = tuple[str, float] | None
+"""Somebody, and the gap (m)."""
+
 _INNER, _OUTER, _AHEAD, _BEHIND = 0, 1, 2, 0
 """Bits of what `getNeighbors` is asked for."""
 
 
-def surroundings_of(vehicle_id: str) -> Surroundings | None:
-    """Return what is around a vehicle; None while it is on no lane."""
-    vehicle, index = libsumo.vehicle, libsumo.vehicle.getLaneIndex(vehicle_id)
-    driven = float(vehicle.getLanePosition(vehicle_id))
-    ways = {int(lane[0].rpartition("_")[2]): float(lane[1]) - driven for lane in vehicle.getBestLanes(vehicle_id)}
-    if index not in ways:
-        return None
-    edge, min_gap = vehicle.getRoadID(vehicle_id), vehicle.getMinGap(vehicle_id)
+class LanesAround:
+    """Sees what is around one vehicle along the lanes."""
 
-    def lane(at: int, leader: NextUser | None, follower: NextUser | None) -> LaneAround:
-        return LaneAround(at, ways[at], float(libsumo.lane.getMaxSpeed(f"{edge}_{at}")), leader, follower)
+    def __init__(self, vehicle_id: str) -> None:
+        self._id = vehicle_id
+        self._min_gaps: dict[str, float] = {}
 
-    def beside(at: int, side: int) -> LaneAround | None:
-        if at not in ways:
+    def look(self, lane_id: str, driven: float) -> Surroundings | None:
+        """Return what is around the vehicle, `driven` m along a lane; None while it is on none."""
+        vehicle, name = libsumo.vehicle, self._id
+        edge, _, number = lane_id.rpartition("_")
+        index, best = int(number or -1), vehicle.getBestLanes(name)
+        if not 0 <= index < len(best):
             return None
-        ahead, behind = (vehicle.getNeighbors(vehicle_id, side | way) for way in (_AHEAD, _BEHIND))
-        return lane(at, _next(ahead[0], min_gap) if ahead else None, _next(behind[0]) if behind else None)
 
-    leader, follower = vehicle.getLeader(vehicle_id, LOOK_AHEAD_M), vehicle.getFollower(vehicle_id, LOOK_BACK_M)
-    own = lane(index, _next(leader, min_gap) if leader else None, _next(follower) if follower[0] else None)
-    return Surroundings(own, beside(index + 1, _INNER), beside(index - 1, _OUTER), _light(vehicle_id))
+        def lane(at: int, leader: _Found, follower: _Found) -> LaneAround:
+            ahead = self._next(leader, name) if leader and leader[0] else None
+            behind = self._next(follower, follower[0]) if follower and follower[0] else None
+            return LaneAround(at, best[at][1] - driven, libsumo.lane.getMaxSpeed(f"{edge}_{at}"), ahead, behind)
 
+        def beside(at: int, side: int) -> LaneAround:
+            ahead, behind = vehicle.getNeighbors(name, side | _AHEAD), vehicle.getNeighbors(name, side | _BEHIND)
+            return lane(at, ahead[0] if ahead else None, behind[0] if behind else None)
 
-def _next(found: tuple[str, float], min_gap: float | None = None) -> NextUser:
-    """Return somebody whom SUMO has found; it counts the gap from where whoever follows would stop."""
-    name, gap = found
-    kept = libsumo.vehicle.getMinGap(name) if min_gap is None else min_gap
-    return NextUser(name, float(gap) + float(kept), float(libsumo.vehicle.getSpeed(name)))
+        own = lane(index, vehicle.getLeader(name, LOOK_AHEAD_M), vehicle.getFollower(name, LOOK_BACK_M))
+        inner = beside(index + 1, _INNER) if index + 1 < len(best) else None
+        outer = beside(index - 1, _OUTER) if index else None
+        lights = vehicle.getNextTLS(name)
+        return Surroundings(own, inner, outer, NextLight(lights[0][0], lights[0][2], lights[0][3]) if lights else None)
 
-
-def _light(vehicle_id: str) -> NextLight | None:
-    lights = libsumo.vehicle.getNextTLS(vehicle_id)
-    return NextLight(lights[0][0], float(lights[0][2]), lights[0][3]) if lights else None
+    def _next(self, found: tuple[str, float], behind: str) -> NextUser:
+        """Return somebody whom SUMO has found; it counts the gap from where who is `behind` would stop."""
+        name, gap = found
+        kept = self._min_gaps.get(behind)
+        if kept is None:
+            kept = self._min_gaps[behind] = libsumo.vehicle.getMinGap(behind)
+        return NextUser(name, gap + kept, libsumo.vehicle.getSpeed(name))
 
 
 def move_on_lane(vehicle_id: str, speed: float, index: int | None, duration: float, *, is_checked: bool) -> None:
@@ -60,8 +67,10 @@ def move_on_lane(vehicle_id: str, speed: float, index: int | None, duration: flo
     vehicle.setSpeedMode(vehicle_id, _CHECKED if is_checked else _UNCHECKED)
     vehicle.setLaneChangeMode(vehicle_id, _CAREFUL if is_checked else _BLIND)
     vehicle.setSpeed(vehicle_id, speed)
+    if index is None or index == vehicle.getLaneIndex(vehicle_id):
+        return
     edge = vehicle.getRoadID(vehicle_id)
-    if index is not None and index != vehicle.getLaneIndex(vehicle_id) and not edge.startswith(":"):
+    if not edge.startswith(":"):
         if not 0 <= index < libsumo.edge.getLaneNumber(edge):
             raise ValueError(f"edge '{edge}' has no lane {index}")
         vehicle.changeLane(vehicle_id, index, duration)

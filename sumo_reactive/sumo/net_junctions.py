@@ -145,7 +145,10 @@ def junction_from(raw: RawNet, junction_id: str, lane_of: LaneOf) -> Junction:
         outline = np.array([point[:2] for point in coordinates(shape)])
     connections = tuple(_with_tail(connection, outline, lane_of) for connection in connections)
     connections = _held_back(connections, lane_of)
-    return Junction(junction_id, element.get("type", "unknown"), outline, connections, right_of_way)
+    return Junction(
+        id=junction_id, kind=element.get("type", "unknown"), outline=outline, connections=connections,
+        right_of_way=right_of_way,
+    )  # fmt: skip
 
 
 def _with_tail(connection: Connection, outline: Points, lane_of: LaneOf) -> Connection:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import libsumo
@@ -30,6 +31,7 @@ _SEEN = (
     tc.VAR_POSITION3D, tc.VAR_ANGLE, tc.VAR_SPEED, tc.VAR_LANE_ID, tc.VAR_LANEPOSITION, tc.VAR_LENGTH, tc.VAR_WIDTH,
     tc.VAR_ACCELERATION,
 )  # fmt: skip
+_values_of = itemgetter(*_SEEN)
 
 _PLACES = tc.VAR_POSITION3D, tc.VAR_LANE_ID
 """What tells who is near: turning a value into one of Python's costs more than SUMO's search."""
@@ -55,7 +57,8 @@ class ObservedVehicle:
         self.teleports = 0
         self._reach = reach
         self._stop_lines = StopLines(read_signals())
-        self._routes: dict[str, tuple[str, tuple[str, ...]]] = {}
+        self._routes: dict[str, tuple[str, str, tuple[str, ...]]] = {}
+        self._bodies: dict[str, Body] = {}
         _subscribe(vehicle_id, reach, _SEEN)
 
     def look(self) -> VehicleScene | None:
@@ -65,7 +68,8 @@ class ObservedVehicle:
         seen = {} if self.arrived else _seen_from(self.id)
         if self.id not in seen:
             return None
-        users = {name: _user(name, values, self._route(name, values)) for name, values in seen.items()}
+        bodies = self._bodies
+        users = {name: _user(name, one, bodies, self._route(name, one[tc.VAR_LANE_ID])) for name, one in seen.items()}
         own = users.pop(self.id)
         return VehicleScene(own, (*users.values(), *self._persons(own)), self._stop_lines.crossed(own.lane_id))
 
@@ -73,14 +77,19 @@ class ObservedVehicle:
         """Look no more, before the vehicle is taken off the road from outside."""
         _unsubscribe(self.id, self._reach)
 
-    def _route(self, name: str, seen: Mapping[int, Any]) -> tuple[str, ...]:
+    def _route(self, name: str, lane_id: str) -> tuple[str, ...]:
         """Return the edges that a vehicle has still to drive, its present one first; inside a junction the next one."""
-        edge = edge_id_of(seen[tc.VAR_LANE_ID])
         known = self._routes.get(name)
-        if known is None or known[0] != edge:
+        if known is not None and known[0] == lane_id:
+            return known[2]
+        edge = edge_id_of(lane_id)
+        if known is not None and known[1] == edge:
+            route = known[2]
+        else:
             first = max(libsumo.vehicle.getRouteIndex(name) + edge.startswith(":"), 0)
-            known = self._routes[name] = edge, tuple(libsumo.vehicle.getRoute(name)[first:])
-        return known[1]
+            route = tuple(libsumo.vehicle.getRoute(name)[first:])
+        self._routes[name] = lane_id, edge, route
+        return route
 
     def _persons(self, own: RoadUser) -> Iterator[RoadUser]:
         """Yield who walks over a crossing near."""
@@ -153,11 +162,14 @@ def _seen_from(vehicle_id: str) -> dict[str, Mapping[int, Any]]:
     return {name: one for name, one in seen.items() if abs(one[tc.VAR_POSITION3D][2] - level) < SAME_LEVEL_M}
 
 
-def _user(name: str, seen: Mapping[int, Any], route: tuple[str, ...] = ()) -> RoadUser:
-    """Return a vehicle as subscribed."""
-    (x, y, _), angle, speed, lane_id, position, length, width, gain = (seen[variable] for variable in _SEEN)
-    body = Body(*size_of_body(name, length, width), emergency_deceleration=math.nan, max_speed=math.nan)
-    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route, acceleration=gain)
+def _user(name: str, seen: Mapping[int, Any], bodies: dict[str, Body], route: tuple[str, ...] = ()) -> RoadUser:
+    """Return a vehicle as subscribed; `bodies` keeps what does not change of it."""
+    (x, y, _), angle, speed, lane_id, position, length, width, gain = _values_of(seen)
+    body = bodies.get(name)
+    if body is None or body.length != length or body.width != width:
+        size = size_of_body(name, length, width)
+        body = bodies[name] = Body(*size, emergency_deceleration=math.nan, max_speed=math.nan)
+    return RoadUser(name, x, y, heading_of(angle), speed, lane_id, position, body, route, 0.0, False, gain)
 
 
 def _read(name: str, seen: Mapping[int, Any]) -> RoadUser:

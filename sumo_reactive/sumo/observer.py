@@ -47,7 +47,9 @@ class EgoObserver:
         walking = (user for crossing in self._crossings for user in sensor.on_crossing(crossing))
         users = (*others, *walking, *static.users)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
-        return Traffic(now, users, lights, sight, static.points, beside, switches)
+        return Traffic(
+            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches
+        )
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""

@@ -41,7 +41,7 @@ def junction() -> Situation:
 @pytest.fixture(scope="module")
 def traffic(junction: Situation) -> Traffic:
     users = tuple(_car(junction, k, *other) for k, other in enumerate(OTHERS))
-    return Traffic(junction.time, users, {})
+    return Traffic(time=junction.time, users=users, lights={})
 
 
 def _car(junction: Situation, k: int, lane_id: str, place: float, speed: float, then: str) -> RoadUser:
@@ -50,7 +50,7 @@ def _car(junction: Situation, k: int, lane_id: str, place: float, speed: float, 
 
 @pytest.fixture(scope="module")
 def controller(junction: Situation) -> Controller:
-    return Controller(junction.graph, CAR)
+    return Controller(graph=junction.graph, limits=CAR)
 
 
 @pytest.fixture(scope="module")

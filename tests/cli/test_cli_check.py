@@ -47,9 +47,9 @@ def test_record_and_page_of_what_was_not_met_are_kept_and_linked_in_the_junit_fi
 def test_what_came_to_no_end_is_not_recorded_and_what_cannot_be_is_told(tmp_path):
     file = load_scenario_file(scenario(tmp_path / "a", 20))
     case = Case(file.scenario, file.expectation)
-    crashed = verdict_on(case, Outcome(case.task, Ending.CRASHED, reason="killed by SIGSEGV"))
+    crashed = verdict_on(case, Outcome(task=case.task, ending=Ending.CRASHED, reason="killed by SIGSEGV"))
     assert recorded(crashed, tmp_path / "kept", 60.0) == crashed
-    unmet = replace(crashed, outcome=Outcome(case.task, Ending.DONE), reasons=("too slow",))
+    unmet = replace(crashed, outcome=Outcome(task=case.task, ending=Ending.DONE), reasons=("too slow",))
     taken = tmp_path / "taken"
     taken.write_text("a file", encoding="utf-8")
     found = recorded(unmet, taken, 60.0)

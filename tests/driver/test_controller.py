@@ -23,9 +23,9 @@ def ego():
 
 def steps_of(ego, duration: float, seconds: float, profile=Profile.DEFAULT, users=()) -> list[Step]:
     """Steps of one length past others that stand still."""
-    controller, drive, steps = Controller(ego.graph, CAR, profile), ego.drive(), []
+    controller, drive, steps = Controller(graph=ego.graph, limits=CAR, profile=profile), ego.drive(), []
     for k in range(round(seconds / duration)):
-        steps.append(controller.step(Traffic(ego.time + k * duration, users, {}), drive, duration))
+        steps.append(controller.step(Traffic(time=ego.time + k * duration, users=users, lights={}), drive, duration))
         drive = steps[-1].drive
     return steps
 
@@ -62,9 +62,9 @@ def test_every_run_of_the_highway_code_is_one_of_the_pilot(ego, duration, monkey
     runs = []
     asks = pilot.ask
     monkeypatch.setattr(pilot, "ask", lambda *given: (runs.append(1), asks(*given))[1])
-    controller, drive, steps = Controller(ego.graph, CAR), ego.drive(), []
+    controller, drive, steps = Controller(graph=ego.graph, limits=CAR), ego.drive(), []
     west = ego.other("west", "from_west_0", -60.0, 8.0, ("from_west", "to_east"))
-    traffic = Traffic(ego.time, (west,), {})
+    traffic = Traffic(time=ego.time, users=(west,), lights={})
     for _ in range(round(6.0 / duration)):
         steps.append(controller.step(traffic, drive, duration))
         drive, traffic = steps[-1].drive, moved(traffic, duration)
@@ -76,15 +76,15 @@ def test_every_run_of_the_highway_code_is_one_of_the_pilot(ego, duration, monkey
 def test_within_a_coarse_step_the_others_go_on_gaining_or_losing_speed(ego, gains, speed, way):
     """Who brakes to wait at 0.5 s would else be taken for one who does not, in every second control step."""
     x = ego.other("x", "from_west_0", -60.0, 6.0, ("from_west", "to_east"))._replace(acceleration=gains)
-    (later,) = moved(Traffic(ego.time, (x,), {}), 0.5).users
+    (later,) = moved(Traffic(time=ego.time, users=(x,), lights={}), 0.5).users
     assert (later.speed, later.lane_position - x.lane_position) == pytest.approx((speed, way))
     assert (later.x - x.x, later.y - x.y) == pytest.approx((way, 0.0), abs=1e-6)
 
 
 def test_equal_input_gives_equal_output(ego):
     west = ego.other("west", "from_west_0", -40.0, 10.0, ("from_west", "to_east"))
-    traffic = Traffic(ego.time, (west, car_at("stray", 150.0, 130.0, 0.3, 1.0)), {})
-    first, second = (Controller(ego.graph, CAR).step(traffic, ego.drive(), 0.1) for _ in range(2))
+    traffic = Traffic(time=ego.time, users=(west, car_at("stray", 150.0, 130.0, 0.3, 1.0)), lights={})
+    first, second = (Controller(graph=ego.graph, limits=CAR).step(traffic, ego.drive(), 0.1) for _ in range(2))
     assert first.execution == second.execution
     assert first.drive.ego == second.drive.ego
     assert first.completed == second.completed
@@ -93,7 +93,7 @@ def test_equal_input_gives_equal_output(ego):
 def test_a_step_changes_nothing_that_it_was_given(ego):
     drive = ego.drive()
     limits = drive.plan.speed_limits.copy()
-    Controller(ego.graph, CAR).step(Traffic(ego.time, (), {}), drive, 1.0)
+    Controller(graph=ego.graph, limits=CAR).step(Traffic(time=ego.time, users=(), lights={}), drive, 1.0)
     assert drive == Drive(ego.ego, ego.plan, 0.0)
     assert np.array_equal(drive.plan.speed_limits, limits)
 
@@ -119,7 +119,7 @@ def test_the_paper_starts_from_a_standstill_a_little_beside_its_curve(ego, aside
 
 
 def test_within_a_coarse_step_the_others_are_foreseen_to_drive_on():
-    before_it = Traffic(7.0, (car_at("x", 10.0, 20.0, 0.5 * math.pi, 8.0),), {"light": "r"})
+    before_it = Traffic(time=7.0, users=(car_at("x", 10.0, 20.0, 0.5 * math.pi, 8.0),), lights={"light": "r"})
     after = moved(before_it, 0.5)
     (user,) = after.users
     assert (after.time, user.x, user.y, user.lane_position) == pytest.approx((7.5, 10.0, 24.0, 4.0))

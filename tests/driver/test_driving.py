@@ -38,7 +38,7 @@ def setting_out(network, edges, lane, position, speed, ways=None) -> Driving:
     spine, back = graph.lanes[lane].spine, CAR.front_to_rear_axle
     x, y = spine.at(position - back)
     start = PlanStart(Pose(x, y, spine.heading_at(position)), speed, 0.0, 0.0, lane, position, 0)
-    return set_out(Controller(graph, CAR), Route(edges), start, ways=ways)
+    return set_out(Controller(graph=graph, limits=CAR), Route(edges), start, ways=ways)
 
 
 def driven(driving, seconds, *others):
@@ -47,7 +47,7 @@ def driven(driving, seconds, *others):
     for k in range(round(seconds / PERIOD)):
         time = k * PERIOD
         sight = driving.drive.completed.sight if driving.drive.completed else 0.0
-        traffic = Traffic(time, tuple(one.at(time) for one in others), {}, sight)
+        traffic = Traffic(time=time, users=tuple(one.at(time) for one in others), lights={}, sight=sight)
         step = driving.step(traffic, PERIOD)
         driving = driving.after(step, time + PERIOD)
         found.append((step, driving))
@@ -109,9 +109,9 @@ class Detour:
 def missing_its_turn(ways, waiting_since) -> tuple[Driving, Driving]:
     """A driver on the left lane whose pilot asks, twice, for another way than off to the right; what it makes of that."""
     driving = setting_out("multi_lane_road", ("road_before_exit", "exit"), "road_before_exit_2", 40.0, 20.0, ways)
-    step = driving.step(Traffic(0.0, (), {}), PERIOD)
+    step = driving.step(Traffic(time=0.0, users=(), lights={}), PERIOD)
     memory = step.drive.memory._replace(waiting_since=waiting_since)
-    asks = replace(step.completed, request=Request(Replanning.ROUTE))
+    asks = replace(step.completed, request=Request(what=Replanning.ROUTE))
     step = step._replace(completed=asks, drive=step.drive._replace(memory=memory))
     return driving, driving.after(step, PERIOD).after(step, PERIOD)
 

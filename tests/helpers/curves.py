@@ -33,7 +33,7 @@ def turning(lengths: Sequence[float], curvatures: Sequence[float]) -> Curve:
     middle = 0.5 * (heading[1:] + heading[:-1])
     x, y = (np.concatenate(([0.0], np.cumsum(f(middle) * fine))) for f in (np.cos, np.sin))
     pick = slice(None, None, round(STEP / fine))
-    return Curve(x[pick], y[pick], heading[pick], np.append(kappa, kappa[-1])[pick], STEP)
+    return Curve(x=x[pick], y=y[pick], heading=heading[pick], curvature=np.append(kappa, kappa[-1])[pick], step=STEP)
 
 
 def straight(length: float = 400.0) -> Curve:
@@ -45,7 +45,10 @@ def plan_along(curve: Curve, speed_limit: float = 13.9) -> NominalPlan:
     """Return a plan on `curve` alone: no junction, no stop, no time that presses."""
     envelope = speed_envelope(curve, np.full(len(curve.x), speed_limit), CAR)
     times = np.concatenate(([0.0], np.cumsum(curve.step / envelope[1:])))
-    return NominalPlan(curve, (), (), (), (), envelope, (TimeConstraint(curve.length, 0.0),), None, times)
+    return NominalPlan(
+        curve=curve, segments=(), passages=(), lane_changes=(), stops=(), speed_limits=envelope,
+        time_constraints=(TimeConstraint(curve.length, 0.0),), goal=None, times=times,
+    )  # fmt: skip
 
 
 def on_curve(curve: Curve, front: float, speed: float) -> VehicleState:
@@ -76,7 +79,10 @@ def asked(plan: NominalPlan, stop: TimeConstraint | None = None, weights=WEIGHTS
     """Return the plan with a stop, in normal driving."""
     instruction = Instruction.FOLLOW_CURVE if stop is None else Instruction.STOP
     constraints = plan.time_constraints if stop is None else (*plan.time_constraints, stop)
-    return CompletedPlan(plan, Behaviour.NORMAL, instruction, Tuning(weights), constraints, Intent.DRIVE, ())
+    return CompletedPlan(
+        plan=plan, behaviour=Behaviour.NORMAL, instruction=instruction, tuning=Tuning(weights), constraints=constraints,
+        intent=Intent.DRIVE, decisions=(),
+    )  # fmt: skip
 
 
 def driven(

@@ -104,7 +104,7 @@ class Situation:
 
     def traffic(self, *users: RoadUser, sight: float = 0.0) -> Traffic:
         """Return what is observed without lights."""
-        return Traffic(self.time, users, {}, sight)
+        return Traffic(time=self.time, users=users, lights={}, sight=sight)
 
     def late_by(self, seconds: float) -> Situation:
         """Return the situation of an ego that should have been here so long ago."""
@@ -120,13 +120,18 @@ class Situation:
 
     def seen(self, *users: RoadUser, lights: dict[str, str] | None = None) -> Snapshot:
         """Return what the ego perceives."""
-        traffic, place = Traffic(self.time, users, lights or {}), locate(self.ego, self.plan, self.limits, 0.0)
+        traffic, place = Traffic(
+            time=self.time, users=users, lights=lights or {}
+        ), locate(self.ego, self.plan, self.limits, 0.0)
         snapshot = perceive(traffic, self.ego, self.plan, self.graph, self.limits, place)
         return snapshot._replace(foes=foes_of(traffic, self.plan, self.graph, self.limits, snapshot.passages))
 
     def outlook(self, *users: RoadUser, sight: float = 0.0) -> Outlook:
         """Return what the pilot is told of the others' ways and the lanes beside its own."""
-        return outlook(Traffic(self.time, users, {}, sight), self.seen(*users), self.plan, self.graph, self.limits)
+        return outlook(
+            Traffic(time=self.time, users=users, lights={}, sight=sight), self.seen(*users), self.plan, self.graph,
+            self.limits,
+        )  # fmt: skip
 
     def considered(
         self,
@@ -153,8 +158,8 @@ class Situation:
 
     def step(self, *users: RoadUser, lights: dict[str, str] | None = None, drive: Drive | None = None, time=None) -> Step:
         """Return one control step of the default profile."""
-        traffic = Traffic(self.time if time is None else time, users, lights or {})
-        return Controller(self.graph, self.limits).step(traffic, drive or self.drive(), PERIOD)
+        traffic = Traffic(time=self.time if time is None else time, users=users, lights=lights or {})
+        return Controller(graph=self.graph, limits=self.limits).step(traffic, drive or self.drive(), PERIOD)
 
     def stop(self, *users: RoadUser, lights: dict[str, str] | None = None) -> TimeConstraint | None:
         """Return the place where the pilot wants to stop, and why."""
@@ -175,11 +180,13 @@ class Situation:
         delays=Delays.REPLAN,
     ) -> list[Step]:
         """Return the control steps of `seconds` of driving; others and lights as they are so many seconds on."""
-        controller, drive, steps = Controller(self.graph, self.limits, profile, delays), self.drive(), []
+        controller, drive, steps = Controller(
+            graph=self.graph, limits=self.limits, profile=profile, delays=delays
+        ), self.drive(), []
         for k in range(round(seconds / PERIOD)):
             past = k * PERIOD
             sight = drive.completed.sight if drive.completed else 0.0
-            traffic = Traffic(self.time + past, tuple(users(past)), lights(past), sight)
+            traffic = Traffic(time=self.time + past, users=tuple(users(past)), lights=lights(past), sight=sight)
             steps.append(controller.step(traffic, drive, PERIOD))
             drive = steps[-1].drive
         return steps

@@ -19,7 +19,7 @@ FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
 METRICS = ("arrived", "collisions", "duration_s", "rms_jerk_m_s3")
 JUDGED = Entry(
     12.0, (), NOT_ASSESSED, Behaviour.CAUTIOUS, Instruction.CROSS,
-    (Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "J1", "veh_<7>", True),),
+    (Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="J1", cause="veh_<7>", passes=True),),
 )  # fmt: skip
 
 
@@ -34,7 +34,7 @@ def outcome(one, duration, jerk=2.0, entries=(), **others):
     figures = {"rms_jerk_m_s3": jerk, "collisions": len(others.get("faults", ()))}
     ego = one.task.scenario.ego
     done = result(ego=ego, seed=one.task.scenario.seed, end_s=5.0 + duration, figures=figures, **others)
-    return Outcome(one.task, Ending.DONE, done, entries=entries, trajectory="digest", wall_s=0.1)
+    return Outcome(task=one.task, ending=Ending.DONE, result=done, entries=entries, trajectory="digest", wall_s=0.1)
 
 
 def made_store(path):
@@ -50,7 +50,7 @@ def made_store(path):
     kept.append((hit, outcome(hit, 33.0, entries=(JUDGED,), faults=(collision,))))
     late, lost = trial(5), trial(6)
     kept.append((late, outcome(late, 99.0, arrived=False, ended="until 104 s")))
-    kept.append((lost, Outcome(lost.task, Ending.CRASHED, reason="the process was killed by SIGKILL")))
+    kept.append((lost, Outcome(task=lost.task, ending=Ending.CRASHED, reason="the process was killed by SIGKILL")))
     with Store(path) as store:
         store.plan([one for one, _ in kept], list(METRICS))
         for one, ended in kept:
@@ -69,9 +69,9 @@ def made_share_store(path, seeds=4):
                 "egos": 100.0 * share, "network_mean_time_loss_s": 20.0 - 5.0 * share + 0.1 * seed,
                 "network_vehicles": 100, "egos_collisions": 0, "egos_violations": 0,
             }  # fmt: skip
-            kept.append((one, NetworkResult(share, metrics, (), 0.0)))
+            kept.append((one, NetworkResult(share=share, metrics=metrics, faults=(), departure_s=0.0)))
     with Store(path) as store:
         store.plan([one for one, _ in kept], ["egos", "network_mean_time_loss_s"])
         for one, network in kept:
-            store.put(one, Outcome(one.task, Ending.DONE, network=network, trajectory="digest"), 1)
+            store.put(one, Outcome(task=one.task, ending=Ending.DONE, network=network, trajectory="digest"), 1)
     return path

@@ -67,15 +67,15 @@ def test_a_case_a_seed_with_the_command_that_replays_it(tmp_path):
 
 def test_a_trial_that_did_not_end_is_not_met(tmp_path):
     (case, _) = cases_of(_file(tmp_path, "a.toml"))
-    verdict = verdict_on(case, Outcome(case.task, Ending.TIMEOUT, reason="not done after 5 s"))
+    verdict = verdict_on(case, Outcome(task=case.task, ending=Ending.TIMEOUT, reason="not done after 5 s"))
     assert (verdict.is_met, verdict.reasons) == (False, ("timeout: not done after 5 s",))
 
 
 def test_verdicts_are_written_for_any_ci_system(tmp_path):
     (case, other) = cases_of(_file(tmp_path, "a.toml"))
-    met = verdict_on(case, Outcome(case.task, Ending.DONE, result(), wall_s=1.5))
-    late = verdict_on(case, Outcome(case.task, Ending.DONE, result(arrived=False, ended="until 9 s")))
-    crashed = verdict_on(other, Outcome(other.task, Ending.CRASHED, reason="killed by SIGSEGV"))
+    met = verdict_on(case, Outcome(task=case.task, ending=Ending.DONE, result=result(), wall_s=1.5))
+    late = verdict_on(case, Outcome(task=case.task, ending=Ending.DONE, result=result(arrived=False, ended="until 9 s")))
+    crashed = verdict_on(other, Outcome(task=other.task, ending=Ending.CRASHED, reason="killed by SIGSEGV"))
     path = tmp_path / "new" / "out.xml"
     write_junit(path, [(met, ""), (late, "did <not> arrive\n\x1bmore"), (crashed, "why")])
     (suite,) = JUnitXml.fromfile(str(path))

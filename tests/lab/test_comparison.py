@@ -40,15 +40,18 @@ def side(driver: DriverChoice, duration: float, arrived: bool = True, loss: floa
     """A run of `duration` s; the others lost `loss` s."""
     touched = tuple(Fault(1.0, COLLISION, "a", "lane") for _ in range(collisions))
     result = TrialResult(
-        "a.sumocfg", "ego", "as named", 42, 0.1, "default", arrived, "arrived" if arrived else "until 600 s", 0.0, 5.0,
-        5.0 + duration, 1.0, 100.0, {"collisions": collisions}, faults=touched, length_m=4.7, width_m=1.8,
+        scenario="a.sumocfg", ego="ego", chosen="as named", seed=42, step_length_s=0.1, profile="default", arrived=arrived,
+        ended="arrived" if arrived else "until 600 s", begin_s=0.0, departure_s=5.0,
+        end_s=5.0 + duration, time_loss_s=1.0, distance_m=100.0, figures={
+            "collisions": collisions
+        }, faults=touched, length_m=4.7, width_m=1.8,
     )  # fmt: skip
     effects = NetworkEffects({"others_time_loss_s": loss, "others_stops": 2}, {"a": Arrival(loss, 1.0)})
-    return Side(Outcome(Task(replace(SCENARIO, driver=driver)), Ending.DONE, result), effects)
+    return Side(Outcome(task=Task(replace(SCENARIO, driver=driver)), ending=Ending.DONE, result=result), effects)
 
 
 SCENARIO = Scenario(config=CONFIG, ego="ego", source=CONFIG)
-CRASHED = Side(Outcome(Task(SCENARIO), Ending.CRASHED, reason="the process was killed by SIGSEGV"), None)
+CRASHED = Side(Outcome(task=Task(SCENARIO), ending=Ending.CRASHED, reason="the process was killed by SIGSEGV"), None)
 
 
 def pair(sumo: Side, reactive: Side, seed: int = 42) -> Pair:

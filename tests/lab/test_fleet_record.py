@@ -25,11 +25,16 @@ FILES = [
 ]  # fmt: skip
 
 
+def fleet_of(*results):
+    """Return the result of a run with these egos."""
+    return FleetResult(results=results, refused=(), on_their_way=frozenset(), until=60.0, step_us=1.0, wall_s=1.0)
+
+
 def driven(folder, egos, **options):
     recorder = FleetRecorder(folder, **options)
     for ego in egos:
         recorder.see(Scene(record(0.1, x=1.0), (), ego=ego))
-    recorder.write(FleetResult(tuple(result(ego=ego) for ego in egos), (), frozenset(), 60.0, 1.0, 1.0))
+    recorder.write(fleet_of(*(result(ego=ego) for ego in egos)))
 
 
 def told(folder):
@@ -129,5 +134,5 @@ def test_a_fleet_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
     recorder = FleetRecorder(tmp_path / "new" / "out")
     monkeypatch.setattr("sumo_reactive.lab.recorder.write_trajectory", no_room)
     with pytest.raises(OutputError, match="out: cannot be written: No space left on device"):
-        recorder.write(FleetResult((result(ego="a"),), (), frozenset(), 60.0, 1.0, 1.0))
+        recorder.write(fleet_of(result(ego="a")))
     assert list(tmp_path.iterdir()) == []

@@ -175,31 +175,38 @@ def _crossing(mutual: bool = False) -> RoadGraph:
     lines = {"we": [(-10.0, 0.0), (10.0, 0.0)], "sn": [(0.0, -10.0), (0.0, 10.0)]}
     connections = {
         name: Connection(
-            name,
-            "j",
-            k,
-            f"{name}in_0",
-            f"{name}out_0",
-            (f":j_{k}_0",),
-            Polyline(np.array(line)),
-            Turn.STRAIGHT,
-            Control.MINOR,
+            id=name,
+            junction_id="j",
+            index=k,
+            from_lane=f"{name}in_0",
+            to_lane=f"{name}out_0",
+            parts=(f":j_{k}_0",),
+            path=Polyline(np.array(line)),
+            turn=Turn.STRAIGHT,
+            control=Control.MINOR,
         )
         for k, (name, line) in enumerate(lines.items())
     }
     square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
     middle = Interval(9.0, 11.0)
-    region = ConflictRegion("r", ConflictKind.CROSSING, "we", "sn", middle, middle, square, PostConflictRegion("we", 11.0))
+    region = ConflictRegion(
+        id="r", kind=ConflictKind.CROSSING, own_id="we", other_id="sn", own=middle, other=middle, polygon=square,
+        post=PostConflictRegion("we", 11.0),
+    )  # fmt: skip
     spines = {"snin_0": [(0.0, -50.0), (0.0, -10.0)], "snout_0": [(0.0, 10.0), (0.0, 50.0)]}
     lanes = {
-        name: Lane(name, name[:-2], 0, Polyline(np.array(spine)), 40.0, 3.2, 13.9, VEHICLE_CLASSES)
+        name: Lane(
+            id=name, edge_id=name[:-2], index=0, spine=Polyline(np.array(spine)), length=40.0, width=3.2, speed_limit=13.9,
+            allowed=VEHICLE_CLASSES,
+        )
         for name, spine in spines.items()
-    }
+    }  # fmt: skip
     rule = RightOfWay(np.array([[False, True], [mutual, False]]), np.array([[False, True], [True, False]]))
+    ways = tuple(connections.values())
     return RoadGraph(
         lanes=lanes,
         edge_lanes={},
-        junctions={"j": Junction("j", "priority", square, tuple(connections.values()), rule)},
+        junctions={"j": Junction(id="j", kind="priority", outline=square, connections=ways, right_of_way=rule)},
         connections=connections,
         regions={"r": region},
         arcs=arcs_of(connections, [region]),

@@ -74,9 +74,12 @@ def test_the_rows_name_verdict_and_overrides():
 def world(*region_ids):
     """Return a world of square conflict regions and nothing else."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.23456]])
-    meeting = ConflictKind.CROSSING, "a", "b", Interval(0.0, 1.0), Interval(0.0, 1.0), square
-    regions = {name: ConflictRegion(name, *meeting, PostConflictRegion("a", 1.0, name)) for name in region_ids}
-    return RoadGraph({}, {}, {}, {}, regions, (), {}, False)
+    where = {"own": Interval(0.0, 1.0), "other": Interval(0.0, 1.0), "polygon": square}
+    meeting = {"kind": ConflictKind.CROSSING, "own_id": "a", "other_id": "b"} | where
+    regions = {name: ConflictRegion(id=name, **meeting, post=PostConflictRegion("a", 1.0, name)) for name in region_ids}
+    return RoadGraph(
+        lanes={}, edge_lanes={}, junctions={}, connections={}, regions=regions, arcs=(), opposite={}, left_hand=False
+    )
 
 
 def test_the_rows_tell_how_many_steps_needed_no_pilot():
@@ -85,7 +88,7 @@ def test_the_rows_tell_how_many_steps_needed_no_pilot():
 
 
 def test_the_outlines_of_the_regions_that_steps_name_are_written_once(tmp_path):
-    waits = Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "decided", "veh_12")
+    waits = Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="decided", cause="veh_12")
     recorder = Recorder(tmp_path / "out")
     steps = record(0.0, decisions=(waits,)), record(0.1, regions=(RegionState("claimed", Occupancy.CLAIMED, "veh_12"),))
     for step, known in zip(steps, (world("decided"), world("claimed", "elsewhere")), strict=True):
@@ -155,8 +158,10 @@ def test_a_record_that_fails_leaves_nothing(tmp_path):
 
 
 def test_decisions_are_written_where_they_change_and_where_an_emergency_begins():
-    red = Decision(Behaviour.CAUTIOUS, Reason.RED_LIGHT, "r", "tl", figures=(("gap_m", 10.0),))
-    nearer = Decision(Behaviour.CAUTIOUS, Reason.RED_LIGHT, "r", "tl", figures=(("gap_m", 9.0),))
+    red = Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.RED_LIGHT, region="r", cause="tl", figures=(("gap_m", 10.0),))
+    nearer = Decision(
+        behaviour=Behaviour.CAUTIOUS, reason=Reason.RED_LIGHT, region="r", cause="tl", figures=(("gap_m", 9.0),)
+    )
     steps = [
         record(0.0),
         record(0.1, decisions=(red,)),
@@ -183,6 +188,8 @@ def test_a_line_holds_the_events_of_the_last_activation():
 
 
 def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
+    figures = (("arrival_s", math.inf),)
+    yields = Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="r", cause="veh_12", figures=figures)
     step = record(
         1.5,
         behaviour="cautious driving",
@@ -190,7 +197,7 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
         emergency=True,
         events=(Event(EventKind.NEW_OBSTACLE, "veh_12"), Event(EventKind.STANDSTILL)),
         assessment=Assessment(PlanOutcome.FAILURE, 2.5, 80.0, Encounter("veh_12", 4.5, 30.0, 1.0, 2.0)),
-        decisions=(Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "r", "veh_12", False, (("arrival_s", math.inf),)),),
+        decisions=(yields,),
         regions=(RegionState("r", Occupancy.OCCUPIED, "veh_12"),),
     )
     (entry,) = entries([step])
@@ -202,7 +209,7 @@ def test_a_line_gives_back_the_entry_that_it_was_made_of(tmp_path):
 
 
 def test_a_record_in_which_a_turn_in_several_moves_was_a_crossing_is_read_still(tmp_path):
-    turn = Decision(Behaviour.CROSSING, Reason.NARROW_TURN, cause="3 moves", passes=True)
+    turn = Decision(behaviour=Behaviour.CROSSING, reason=Reason.NARROW_TURN, cause="3 moves", passes=True)
     (entry,) = entries([record(1.5, behaviour="crossing an intersection", instruction="follow C", decisions=(turn,))])
     path = tmp_path / "decisions.jsonl"
     path.write_text(json.dumps(line_of(entry)) + "\n", encoding="utf-8")

@@ -31,8 +31,13 @@ def judged(ego, others=lambda t: (), steps=60, world=None):
 def limited(limit):
     """Return a world of one lane with a limit (m/s)."""
     spine = Polyline(np.array([[0.0, 0.0], [100.0, 0.0]]))
-    lane = Lane("road_0", "road", 0, spine, 100.0, 3.2, limit, VEHICLE_CLASSES)
-    return RoadGraph({lane.id: lane}, {}, {}, {}, {}, (), {}, False)
+    lane = Lane(
+        id="road_0", edge_id="road", index=0, spine=spine, length=100.0, width=3.2, speed_limit=limit,
+        allowed=VEHICLE_CLASSES,
+    )  # fmt: skip
+    return RoadGraph(
+        lanes={lane.id: lane}, edge_lanes={}, junctions={}, connections={}, regions={}, arcs=(), opposite={}, left_hand=False
+    )
 
 
 def test_the_score_is_the_mean_of_its_parts_by_their_weights():
@@ -102,7 +107,10 @@ def test_overspeed_costs_its_mean_over_what_is_too_much(lane, score):
 def test_inside_a_junction_the_limit_is_the_higher_one_of_its_roads():
     world = limited(10.0)
     line = Polyline(np.array([[0.0, 0.0], [10.0, 0.0]]))
-    inside = Connection("c", "j", 0, "slow_0", "road_0", (":j_0_0",), line, Turn.STRAIGHT, Control.MINOR)
+    inside = Connection(
+        id="c", junction_id="j", index=0, from_lane="slow_0", to_lane="road_0", parts=(":j_0_0",), path=line,
+        turn=Turn.STRAIGHT, control=Control.MINOR,
+    )  # fmt: skip
     slow = replace(world.lanes["road_0"], id="slow_0", speed_limit=5.0)
     known = replace(world, lanes=dict(world.lanes) | {"slow_0": slow}, connections={"c": inside})
     assert speed_limit(known, ":j_0_0") == 10.0

@@ -126,7 +126,7 @@ def own(folder, vehicle='<vehicle id="ego" depart="0"><route edges="from_west to
     files = f'<net-file value="{FOUR_WAY}.net.xml"/><route-files value="own.rou.xml"/>'
     config = folder / "own.sumocfg"
     config.write_text(f"<configuration>{files}{end}</configuration>", encoding="utf-8")
-    return Scenario(config, "ego", source=config)
+    return Scenario(config=config, ego="ego", source=config)
 
 
 def test_time_at_a_stop_of_the_route_is_not_lost_as_with_sumos_own_driver(tmp_path):

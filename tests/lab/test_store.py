@@ -31,11 +31,11 @@ def done(one, duration, **more):
         ended="arrived", begin_s=0.0, departure_s=1.0, end_s=1.0 + duration, time_loss_s=0.0, distance_m=1.0,
         length_m=4.7, width_m=1.8, figures={"min_time_to_collision_s": None}, **more,
     )  # fmt: skip
-    return Outcome(one.task, Ending.DONE, result, trajectory="digest", wall_s=0.1)
+    return Outcome(task=one.task, ending=Ending.DONE, result=result, trajectory="digest", wall_s=0.1)
 
 
 def failed(one):
-    return Outcome(one.task, Ending.CRASHED, reason="the process was killed by SIGKILL")
+    return Outcome(task=one.task, ending=Ending.CRASHED, reason="the process was killed by SIGKILL")
 
 
 def test_a_trial_is_stored_once_and_known_again(tmp_path):

@@ -28,7 +28,7 @@ def test_a_change_that_there_is_no_lane_for_when_it_is_planned_is_not_made(monke
     def asking(controller, traffic, drive, duration):
         found = step(controller, traffic, drive, duration)
         if len(asked) == 5:
-            request = Request(Replanning.CURVE, change_lane=-1)
+            request = Request(what=Replanning.CURVE, change_lane=-1)
             found = found._replace(completed=replace(found.completed, request=request))
         asked.append(found.completed.request)
         return found

@@ -19,8 +19,8 @@ from sumo_reactive.show.recording import read_run
 from sumo_reactive.show.reports import page_of
 
 YIELD = Decision(
-    Behaviour.CAUTIOUS, Reason.YIELD_TO, "r", "van", False,
-    (("arrival_s", 1.0), ("clearance_s", 2.0), ("foe_arrival_s", 1.5), ("foe_clearance_s", 3.0)),
+    behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="r", cause="van", passes=False,
+    figures=(("arrival_s", 1.0), ("clearance_s", 2.0), ("foe_arrival_s", 1.5), ("foe_clearance_s", 3.0)),
 )  # fmt: skip
 STEPS = [step(0), step(1, Behaviour.CAUTIOUS, decisions=(YIELD,)), step(2)]
 

@@ -30,7 +30,10 @@ def entry(time=0.0, **others):
 def meeting(passes, own, other, reason=Reason.YIELD_TO):
     """Return a decision about a region in which `own` and `other` would be from the first to the second number, s."""
     names = ("arrival_s", "clearance_s", "foe_arrival_s", "foe_clearance_s")
-    return Decision(Behaviour.CAUTIOUS, reason, "J3_4x7", "veh_12", passes, tuple(zip(names, (*own, *other), strict=True)))
+    return Decision(
+        behaviour=Behaviour.CAUTIOUS, reason=reason, region="J3_4x7", cause="veh_12", passes=passes,
+        figures=tuple(zip(names, (*own, *other), strict=True)),
+    )  # fmt: skip
 
 
 def told(decision, instruction=Instruction.STOP):
@@ -56,7 +59,7 @@ def test_every_choice_has_its_words(table, choices):
 @pytest.mark.parametrize("reason", Reason)
 def test_every_reason_makes_a_clause_with_and_without_a_cause(reason, passes):
     for cause in ("veh_12", ""):
-        clause = told(Decision(Behaviour.CAUTIOUS, reason, "J3_4x7", cause, passes))
+        clause = told(Decision(behaviour=Behaviour.CAUTIOUS, reason=reason, region="J3_4x7", cause=cause, passes=passes))
         assert clause and "{" not in clause and "  " not in clause
 
 
@@ -93,14 +96,16 @@ def test_who_goes_first_follows_from_the_figures(passes, own, other, words):
 
 def test_a_yellow_light_too_close_is_passed_with_the_braking_that_it_would_take():
     figures = (("to_line_m", 8.0), ("braking_needed_m_s2", 7.25))
-    clause = told(Decision(Behaviour.CROSSING, Reason.YELLOW_TOO_CLOSE, "", "tl", True, figures))
+    clause = told(Decision(
+        behaviour=Behaviour.CROSSING, reason=Reason.YELLOW_TOO_CLOSE, region="", cause="tl", passes=True, figures=figures,
+    ))  # fmt: skip
     assert clause == (
         "goes on, since light tl is yellow but the line too close to stop (8.0 m away, which would take 7.2 m/s²)"
     )
 
 
 def test_an_overtaking_is_told_from_pulling_out_to_being_back():
-    passing = Decision(Behaviour.OVERTAKING, Reason.SLOW_AHEAD, cause="slow", passes=True)
+    passing = Decision(behaviour=Behaviour.OVERTAKING, reason=Reason.SLOW_AHEAD, cause="slow", passes=True)
     out = entry(behaviour=Behaviour.OVERTAKING, instruction=Instruction.OVERTAKE, decisions=(passing,))
     back = out._replace(instruction=Instruction.RETURN)
     after = entry(behaviour=Behaviour.NORMAL, instruction=Instruction.FOLLOW_CURVE)
@@ -113,7 +118,7 @@ def test_an_overtaking_is_told_from_pulling_out_to_being_back():
 
 def test_a_region_is_named_once_and_a_road_user_once():
     far = meeting(False, (6.0, 9.0), (7.0, 8.0))
-    other = Decision(Behaviour.CROSSING, Reason.YIELD_TO, "J3_4x7", "veh_9", True)
+    other = Decision(behaviour=Behaviour.CROSSING, reason=Reason.YIELD_TO, region="J3_4x7", cause="veh_9", passes=True)
     text = in_short(entry(decisions=(other, far, meeting(False, (5.0, 9.0), (7.0, 8.0))), instruction=Instruction.STOP))
     assert text == (
         "Cautious driving: stops before region J3_4x7, since veh_12 has priority; "
@@ -143,7 +148,7 @@ def test_the_footer_tells_what_activated_the_pilot_most_often_first():
 
 def test_a_run_without_entries_has_a_header_and_a_footer(tmp_path):
     summary = {"ego": "cab", "scenario": "a.toml", "verdict": "did not arrive", "figures": {}}
-    assert list(story(Recording(tmp_path, summary, ()))) == [
+    assert list(story(Recording(folder=tmp_path, summary=summary, entries=()))) == [
         "cab in a.toml: did not arrive.",
         "The pilot decided 0 times.",
     ]
@@ -160,7 +165,7 @@ def test_a_folder_with_another_summary_is_refused(tmp_path, summary):
 
 def recorded(folder, *entries):
     """Return a run with these entries."""
-    return Recording(folder, {"ego": "ego", "scenario": "s.toml", "verdict": "arrived"}, entries)
+    return Recording(folder=folder, summary={"ego": "ego", "scenario": "s.toml", "verdict": "arrived"}, entries=entries)
 
 
 def test_in_brief_a_behaviour_is_a_line_with_each_of_its_reasons_once_and_stops_first(tmp_path):

@@ -23,7 +23,9 @@ def meeting(passes, own, other, cause="veh_12"):
     """Return a decision about a region in which `own` and `other` would be from the first to the second number, s."""
     names = ("arrival_s", "clearance_s", "foe_arrival_s", "foe_clearance_s")
     figures = tuple(zip(names, (*own, *other), strict=True))
-    return Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "J3_4x7", cause, passes, figures)
+    return Decision(
+        behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="J3_4x7", cause=cause, passes=passes, figures=figures
+    )
 
 
 BEFORE = entry(38.4, meeting(True, (2.0, 3.1), (4.2, 5.0)))
@@ -71,9 +73,12 @@ def test_somebody_of_whom_nothing_was_decided():
 
 
 def failed(entries, **others):
-    scenario = Scenario(Path("a.sumocfg"), seed=7, source=Path("a.toml"))
+    scenario = Scenario(config=Path("a.sumocfg"), seed=7, source=Path("a.toml"))
     case = Case(scenario, Expectation())
-    return Verdict(case, Outcome(case.task, Ending.DONE, result(**others), "", tuple(entries)), ("why not",))
+    return Verdict(
+        case, Outcome(task=case.task, ending=Ending.DONE, result=result(**others), reason="", entries=tuple(entries)),
+        ("why not",),
+    )  # fmt: skip
 
 
 def test_a_failure_tells_reasons_faults_the_trace_before_and_the_replay():
@@ -107,5 +112,5 @@ def test_many_faults_are_not_all_told():
 
 def test_a_case_that_crashed_has_reason_and_replay_only():
     case = failed([]).case
-    verdict = Verdict(case, Outcome(case.task, Ending.CRASHED, reason="killed"), ("crashed: killed",))
+    verdict = Verdict(case, Outcome(task=case.task, ending=Ending.CRASHED, reason="killed"), ("crashed: killed",))
     assert list(failure_told(verdict)) == ["crashed: killed", "replay: sumo-reactive run a.toml --seed 7"]

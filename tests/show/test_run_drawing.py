@@ -12,7 +12,7 @@ from sumo_reactive.show.film import Cut, frames_of, write_film
 from sumo_reactive.show.recording import read_run, read_steps
 from sumo_reactive.show.run_drawing import CAR_OVERHANG_M, RunDrawing, Shown, drawn_in_style, save_figure
 
-WAITS = Decision(Behaviour.CAUTIOUS, Reason.REGION_OCCUPIED, "a|b", "veh_7", False)
+WAITS = Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.REGION_OCCUPIED, region="a|b", cause="veh_7", passes=False)
 HELD = RegionState("a|b", Occupancy.OCCUPIED, "veh_7")
 STEPS = [
     *(step(k, gap=5.0) for k in range(10)),

@@ -114,7 +114,10 @@ def test_no_area_makes_no_line():
 
 
 def test_the_outline_of_a_lane_is_as_wide_as_the_lane():
-    lane = Lane("a_0", "a", 0, Polyline(np.array([[0.0, 0.0], [10.0, 0.0]])), 10.0, 3.0, 13.9, frozenset())
+    lane = Lane(
+        id="a_0", edge_id="a", index=0, spine=Polyline(np.array([[0.0, 0.0], [10.0, 0.0]])), length=10.0, width=3.0,
+        speed_limit=13.9, allowed=frozenset(),
+    )  # fmt: skip
     assert lane.outline.tolist() == [[0.0, 1.5], [10.0, 1.5], [10.0, -1.5], [0.0, -1.5]]
 
 

@@ -9,7 +9,10 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import SumoConfig
 from sumo_reactive.sumo.launch import chosen_step_length, passed_end, runnable_config, sumo_arguments
 
-CONFIG = SumoConfig(Path("a.sumocfg"), {}, Path("n.net.xml"), (), (), 0.0, None, 1.0, False)
+CONFIG = SumoConfig(
+    path=Path("a.sumocfg"), options={}, net_file=Path("n.net.xml"), route_files=(), additional_files=(), begin_s=0.0,
+    end_s=None, step_length_s=1.0, is_mesoscopic=False,
+)  # fmt: skip
 
 
 def saying(**options: str) -> SumoConfig:

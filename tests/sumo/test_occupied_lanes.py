@@ -16,8 +16,16 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.sumo.net_reader import read_net
 
-CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
-BUS = VehicleLimits(12.0, 2.5, 7.2, 2.16, 25.0, 1.2, 2.5, 4.5, 7.0, 0.8, 1.0, 4.0, 3.0)
+CAR = VehicleLimits(
+    length=4.7, width=1.8, wheelbase=2.8, front_overhang=0.85, max_speed=50.0, max_acceleration=2.6,
+    comfort_deceleration=2.5, service_deceleration=4.5, emergency_deceleration=9.0, max_steering_angle=0.65,
+    max_steering_rate=1.0, max_lateral_acceleration=4.0, comfort_lateral_acceleration=3.0,
+)  # fmt: skip
+BUS = VehicleLimits(
+    length=12.0, width=2.5, wheelbase=7.2, front_overhang=2.16, max_speed=25.0, max_acceleration=1.2,
+    comfort_deceleration=2.5, service_deceleration=4.5, emergency_deceleration=7.0, max_steering_angle=0.8,
+    max_steering_rate=1.0, max_lateral_acceleration=4.0, comfort_lateral_acceleration=3.0,
+)  # fmt: skip
 NODES = '<nodes><node id="a" x="0" y="0"/><node id="b" x="100" y="0"/><node id="c" x="100" y="100"/></nodes>'
 EDGES = '<edges><edge id="ab" from="a" to="b" numLanes="2"/><edge id="bc" from="b" to="c" numLanes="2"/></edges>'
 
@@ -156,7 +164,10 @@ def test_over_a_lane_of_its_own_road_the_ego_is_shown_driving_on_the_one_that_su
 
 def turning_round(graph):
     """A turn in several moves from ab_1 at 290 m into ba_0."""
-    return Turnaround(40.0, 41.0, 46.0, "ab_1", 0, "ba_0", 1, (), 20.0, 5.0)
+    return Turnaround(
+        start=40.0, line=41.0, end=46.0, from_lane="ab_1", from_index=0, to_lane="ba_0", route_index=1, moves=(),
+        duration=20.0, into=5.0,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(

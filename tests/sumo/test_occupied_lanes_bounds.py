@@ -17,7 +17,11 @@ from sumo_reactive.sumo import stand_ins
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.stand_ins import OFF_TRACKING_SEEN_S, Occupant, OccupiedLane
 
-CAR = VehicleLimits(4.7, 1.8, 2.8, 0.85, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
+CAR = VehicleLimits(
+    length=4.7, width=1.8, wheelbase=2.8, front_overhang=0.85, max_speed=50.0, max_acceleration=2.6,
+    comfort_deceleration=2.5, service_deceleration=4.5, emergency_deceleration=9.0, max_steering_angle=0.65,
+    max_steering_rate=1.0, max_lateral_acceleration=4.0, comfort_lateral_acceleration=3.0,
+)  # fmt: skip
 LANE = '<lane id="{0}" index="{1}" speed="9" length="{2}" shape="{3},{4} {5},{4}"/>'
 NET = f"""<net>
   <edge id=":b_0" function="internal">{LANE.format(":b_0_0", 0, 10, 300, -4.8, 310)}
@@ -91,8 +95,8 @@ def test_who_is_shown_where_he_has_swung_out_has_his_rear_where_his_body_is(road
     assert seen.x - CAR.length == pytest.approx(max(nearest, -CAR.length))
 
 
-CHANGE = LaneChange("ab_0", "ab_1", 1, 0.0, 40.0, 80.0)
-BACK = LaneChange("ab_1", "ab_0", -1, 0.0, 40.0, 80.0)
+CHANGE = LaneChange(from_lane="ab_0", to_lane="ab_1", side=1, opens=0.0, start=40.0, end=80.0)
+BACK = LaneChange(from_lane="ab_1", to_lane="ab_0", side=-1, opens=0.0, start=40.0, end=80.0)
 
 
 @pytest.mark.parametrize(
@@ -198,7 +202,9 @@ def test_a_cut_is_shown_from_two_seconds_before_it_until_the_rear_is_out(
 @pytest.mark.parametrize(("mapped", "is_shown"), [(":b_0_1", True), (":b_0_0", False), ("ab_1", False), ("", False)])
 def test_an_ego_whom_sumo_has_on_another_way_through_a_junction_is_shown_where_its_middle_is(road, mapped, is_shown):
     ways = ("ab_0", 0.0, 300.0, 0), (":b_0_0", 300.0, 310.0, 0), ("bc_0", 310.0, 400.0, 1)
-    plan = SimpleNamespace(segments=[LaneSegment(lane, start, end, 0.0, edge) for lane, start, end, edge in ways])
+    plan = SimpleNamespace(segments=[
+        LaneSegment(lane_id=lane, start=start, end=end, lane_offset=0.0, route_index=edge) for lane, start, end, edge in ways
+    ])  # fmt: skip
     seen = elsewhere(road, plan, mapped, 301.0 - CAR.front_overhang, ego_at(301.0, -4.0), CAR, EDGES)
     assert seen == (OccupiedLane(road.lanes["ab_0"], pytest.approx(301.0), -4.0, 5.0, EDGES) if is_shown else None)
 
@@ -211,7 +217,7 @@ LONG = replace(CAR, length=12.0)
     [(0.0, "ab_1", False), (0.06, "ab_1", False), (0.12, "ab_1", True), (0.3, "ab_1", True), (0.3, "ab_0", False)],
 )
 def test_an_ego_whose_rear_is_over_the_lane_beside_is_shown_there(road, heading, mapped, is_shown):
-    plan = SimpleNamespace(segments=[LaneSegment("ab_1", 0.0, 300.0, 0.0, 0)])
+    plan = SimpleNamespace(segments=[LaneSegment(lane_id="ab_1", start=0.0, end=300.0, lane_offset=0.0, route_index=0)])
     reach = LONG.front_to_rear_axle
     ego = VehicleState(Pose(60.0 - reach * math.cos(heading), -1.6 - reach * math.sin(heading), heading), 5.0, 0.0)
     seen = across(road, plan, mapped, 60.0 - LONG.front_overhang, ego, LONG, EDGES)
@@ -221,13 +227,16 @@ def test_an_ego_whose_rear_is_over_the_lane_beside_is_shown_there(road, heading,
 
 @pytest.mark.parametrize(("mapped", "is_shown"), [("ab_0", True), ("ab_1", False), ("bc_1", False)])
 def test_an_ego_whom_sumo_has_on_the_lane_beside_is_shown_on_its_own(road, mapped, is_shown):
-    plan = SimpleNamespace(segments=[LaneSegment("ab_1", 0.0, 300.0, 0.0, 0)])
+    plan = SimpleNamespace(segments=[LaneSegment(lane_id="ab_1", start=0.0, end=300.0, lane_offset=0.0, route_index=0)])
     by = Occupant(road, plan, plan.segments[0], ego_at(60.0, -3.0), CAR, mapped)
     seen = stand_ins.mapped_elsewhere(by, 60.0, EDGES)
     assert seen == (OccupiedLane(road.lanes["ab_1"], pytest.approx(60.0), -3.0, 5.0, EDGES) if is_shown else None)
 
 
-TURN = Turnaround(40.0, 41.0, 46.0, "ab_1", 0, "ba_0", 1, (), 20.0, 5.0)
+TURN = Turnaround(
+    start=40.0, line=41.0, end=46.0, from_lane="ab_1", from_index=0, to_lane="ba_0", route_index=1, moves=(), duration=20.0,
+    into=5.0,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(

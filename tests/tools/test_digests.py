@@ -19,7 +19,9 @@ CONFIG = "four_way_priority/four_way_priority.sumocfg"
 digests = tool("digests")
 
 
-YIELDS = Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "a|b", "foe", figures=(("arrival_s", 2.0),))
+YIELDS = Decision(
+    behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="a|b", cause="foe", figures=(("arrival_s", 2.0),)
+)
 
 
 def at(k: int, **changes: Any) -> StepRecord:
@@ -63,10 +65,10 @@ def test_another_departure_or_step_is_told():
 @pytest.mark.parametrize(
     "other",
     [
-        Decision(Behaviour.STOPPING, Reason.YIELD_TO, "a|b", "foe"),
-        Decision(Behaviour.CAUTIOUS, Reason.EXIT_BLOCKED, "a|b", "foe"),
-        Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "a|c", "foe"),
-        Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "a|b", "friend"),
+        Decision(behaviour=Behaviour.STOPPING, reason=Reason.YIELD_TO, region="a|b", cause="foe"),
+        Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.EXIT_BLOCKED, region="a|b", cause="foe"),
+        Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="a|c", cause="foe"),
+        Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="a|b", cause="friend"),
     ],
 )
 def test_another_word_in_a_decision_parts_two_runs_and_its_figures_do_not(other):
@@ -74,7 +76,9 @@ def test_another_word_in_a_decision_parts_two_runs_and_its_figures_do_not(other)
         return digests.digests_of(True, [at(k, decisions=(decision,) if k >= 200 else ()) for k in range(400)])
 
     assert digests.parting(drive(), decided(other)) == "differs: decision 2 of 2"
-    assert digests.parting(drive(), decided(Decision(Behaviour.CAUTIOUS, Reason.YIELD_TO, "a|b", "foe"))) == ""
+    assert digests.parting(
+        drive(), decided(Decision(behaviour=Behaviour.CAUTIOUS, reason=Reason.YIELD_TO, region="a|b", cause="foe"))
+    ) == ""
 
 
 def test_a_run_that_fails_as_before_is_no_difference_and_one_that_fails_now_is():

@@ -99,7 +99,10 @@ def prepared(order: Order) -> Prepared:
 def scenario_of(place: Place, ego: str, parameters: Parameters = USUAL) -> Scenario:
     """Return what is run, by either driver; `parameters` are this driver's."""
     config = place.config
-    return Scenario(config, ego or None, place.seed, place.step_s, until_s=UNTIL_S, parameters=parameters, source=config)
+    return Scenario(
+        config=config, ego=ego or None, seed=place.seed, step_length_s=place.step_s, until_s=UNTIL_S, parameters=parameters,
+        source=config,
+    )  # fmt: skip
 
 
 def completed(scenario: Scenario) -> list[str]:

@@ -13,7 +13,7 @@ CURVE_STEP_M = 0.5
 """Arc length between samples of C."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Curve:
     """A smooth curve sampled every `step` m; all arrays have shape (n,), n ≥ 2.
 

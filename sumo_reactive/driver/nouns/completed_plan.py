@@ -61,7 +61,7 @@ class Replanning(Enum):
     TIMES = "time constraints that recover the delay"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Request:
     """What the pilot asks of the planner, once. A new curve begins a lane change (`change_lane` +1 left, −1 right, 0 none)
     or leads `aside`, its places in m of the present C, or begins on lane `onto` that the car has turned into, its edge at
@@ -75,7 +75,7 @@ class Request:
     stays: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CompletedPlan:
     """P⁺: what the executor tracks until the pilot says otherwise.
 

@@ -70,7 +70,7 @@ class Reason(Enum):
     NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
     """A symbolic statement of the pilot: what `behaviour` does because of `reason`, caused by `cause` at `region`.
 

@@ -46,7 +46,7 @@ TURNAROUND_REACHED_M = 1.5
 """An ego that stands this near to where it turns round begins."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LaneSegment:
     """C follows lane `lane_id` (normal or internal) from `start` to `end`; `lane_offset` is the spine arc length there.
 
@@ -75,7 +75,7 @@ class Passage:
     end: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LaneChange:
     """A change from lane to lane that the route needs.
 
@@ -96,7 +96,7 @@ class LaneChange:
         return 0.5 * (self.start + self.end)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ParallelLane:
     """From `from_lane` of C, where C changes no lane, the route can as well be driven by `to_lane` beside it, on `side` (+1
     left, −1 right), with no change back on this road.
@@ -137,7 +137,7 @@ def lateral_of(aside: Aside, s: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.asarray(aside.lateral * (1.0 - eased(t)))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Move:
     """An arc of a turn in several moves: forwards (`gear` 1) or backwards (−1), wheels at `steering_angle` (rad), which
     turns the car by `bend` (rad) per metre ahead, until its heading is `until` (rad); `then` (rad) is the steering angle of
@@ -162,7 +162,7 @@ class Move:
         return is_there and (not self.is_last or abs(ego.steering_angle) < WHEELS_TURNED_RAD)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Turnaround:
     """C leads back beside the way it came, too tightly for the car: it turns in several `moves`, the first from a stand with
     its front bumper at `start`, before the stop `line`. They lead from lane `from_lane` to `to_lane`, whose edges are the
@@ -189,7 +189,7 @@ class Turnaround:
         return (self.end - self.line) / self.duration
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class NominalPlan:
     """P = (C, {(l, t_l)}) with what the map says along C.
 

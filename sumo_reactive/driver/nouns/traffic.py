@@ -63,7 +63,7 @@ NO_SWITCHES: Switches = {}
 """Nothing is known of the lights' future."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Traffic:
     """All that is seen at `time` (s): the others, and the letters of each traffic light by its id.
 

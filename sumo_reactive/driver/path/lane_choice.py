@@ -225,7 +225,10 @@ def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[ParallelLane]:
         if may_change(own, lanes[index], choice.vehicle_class, left_hand):
             side = -1 if (index > own.index) == left_hand else 1
             cost = 1.0 + onward[index].cost - onward[own.index].cost
-            yield ParallelLane(own.id, lanes[index].id, side, cost, _merges(choice, number, own.index, index))
+            yield ParallelLane(
+                from_lane=own.id, to_lane=lanes[index].id, side=side, cost=cost,
+                merges=_merges(choice, number, own.index, index),
+            )  # fmt: skip
 
 
 def _merges(choice: LaneChoice, number: int, own: int, beside: int) -> bool:

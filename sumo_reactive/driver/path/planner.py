@@ -108,8 +108,10 @@ def _turns(
         if not own.lane.is_internal:
             to_lane = graph.connections[ways[-1]].to_lane
             index = _index_behind(route, graph.lanes[to_lane].edge_id, before + len(ways) - 1)
-            lanes = own.lane.id, own.route_index, to_lane, index
-            found.append(Turnaround(began - turn.before, began, ended, *lanes, turn.moves, turn.duration, turn.into))
+            found.append(Turnaround(
+                start=began - turn.before, line=began, end=ended, from_lane=own.lane.id, from_index=own.route_index,
+                to_lane=to_lane, route_index=index, moves=turn.moves, duration=turn.duration, into=turn.into,
+            ))  # fmt: skip
     return found
 
 
@@ -199,13 +201,20 @@ def _segments(reference: Reference, course: Trajectory, left: LeftLane | None) -
     for piece, u, behind in zip(reference.pieces, places, places[1:], strict=False):
         start, end = course.s(u), course.s(behind)
         stretch = (end - start) / (behind - u) if behind - u > CURVE_STEP_M else 1.0
-        segments.append(LaneSegment(piece.lane.id, start, end, piece.lane_offset, piece.route_index, stretch))
+        segments.append(LaneSegment(
+            lane_id=piece.lane.id, start=start, end=end, lane_offset=piece.lane_offset, route_index=piece.route_index,
+            stretch=stretch,
+        ))  # fmt: skip
     if left is None:
         return tuple(segments)
     new, *rest = segments
     middle = min(0.5 * course.blend_end, new.end)
     entered = replace(new, start=middle, lane_offset=new.lane_offset + middle / new.stretch)
-    return LaneSegment(left.lane.id, 0.0, middle, left.offset, new.route_index, new.stretch), entered, *rest
+    before = LaneSegment(
+        lane_id=left.lane.id, start=0.0, end=middle, lane_offset=left.offset, route_index=new.route_index,
+        stretch=new.stretch,
+    )  # fmt: skip
+    return before, entered, *rest
 
 
 def _lane_changes(reference: Reference, course: Trajectory, left: LeftLane | None) -> tuple[LaneChange, ...]:
@@ -213,10 +222,14 @@ def _lane_changes(reference: Reference, course: Trajectory, left: LeftLane | Non
     s, found = course.s, []
     if left is not None:
         entered = reference.pieces[0].lane.id
-        found.append(LaneChange(left.lane.id, entered, left.side, 0.0, 0.0, course.blend_end))
+        found.append(
+            LaneChange(from_lane=left.lane.id, to_lane=entered, side=left.side, opens=0.0, start=0.0, end=course.blend_end)
+        )
     for change in reference.changes:
-        places = s(change.opens), s(change.start), s(change.end)
-        found.append(LaneChange(change.from_lane.id, change.to_lane.id, change.side, *places))
+        found.append(LaneChange(
+            from_lane=change.from_lane.id, to_lane=change.to_lane.id, side=change.side,
+            opens=s(change.opens), start=s(change.start), end=s(change.end),
+        ))  # fmt: skip
     return tuple(found)
 
 

@@ -219,7 +219,8 @@ def _even(points: Points) -> tuple[Curve, Floats]:
     (x, y), (dx, dy), (ddx, ddy) = spline(at).T, spline(at, 1).T, spline(at, 2).T
     heading = np.unwrap(np.arctan2(dy, dx))
     curvature = (dx * ddy - dy * ddx) / np.maximum(np.hypot(dx, dy) ** 3, 1e-9)
-    return Curve(np.ascontiguousarray(x), np.ascontiguousarray(y), heading, curvature, CURVE_STEP_M), arc
+    x, y = np.ascontiguousarray(x), np.ascontiguousarray(y)
+    return Curve(x=x, y=y, heading=heading, curvature=curvature, step=CURVE_STEP_M), arc
 
 
 def _deviation(reference: Reference, half_widths: Floats, pace: Floats, limits: VehicleLimits) -> Floats:

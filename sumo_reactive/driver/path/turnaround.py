@@ -129,7 +129,9 @@ class _Task(NamedTuple):
 
     def move(self, gear: int, angle: float, until: float, *, is_last: bool = False) -> Move:
         """Return the move in `gear` with the wheels at `angle` up to heading `until`."""
-        return Move(gear, angle, math.sin(angle) / self.limits.wheelbase, until, is_last)
+        return Move(
+            gear=gear, steering_angle=angle, bend=math.sin(angle) / self.limits.wheelbase, until=until, is_last=is_last
+        )
 
     def turned(self, arc: Floats) -> int:
         """Return how many of an arc's poses it takes to turn to the way along the line, the front axle on the line; too

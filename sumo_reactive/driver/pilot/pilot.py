@@ -97,7 +97,7 @@ def decide(
         orders = _turning(orders, turning, snapshot)
     constraints, asks_for, memory = adjusted(snapshot, plan, orders.memory, events, style.delays)
     if orders.request.what is Replanning.NOTHING:
-        orders = orders._replace(request=Request(asks_for))
+        orders = orders._replace(request=Request(what=asks_for))
     constraints += _limits_of(orders, situation.changing, snapshot) + asked.arrivals
     completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
@@ -203,8 +203,8 @@ def _request(situation: Situation, behaviour: Behaviour) -> Request:
     changing = situation.changing
     if changing.side or changing.calls_off:
         left = changing.why is not None and changing.why.reason is Reason.QUEUE_CHANGE
-        return Request(Replanning.CURVE, changing.side, stays=left)
-    return Request(Replanning.ROUTE) if behaviour is Behaviour.TAKING_ANOTHER_WAY else Request()
+        return Request(what=Replanning.CURVE, change_lane=changing.side, stays=left)
+    return Request(what=Replanning.ROUTE) if behaviour is Behaviour.TAKING_ANOTHER_WAY else Request()
 
 
 def _behind(situation: Situation) -> tuple[Decision, ...]:
@@ -213,10 +213,10 @@ def _behind(situation: Situation) -> tuple[Decision, ...]:
     if x is None or situation.memory.overtaking is not None or not overtaking.follows_x(situation):
         return ()
     if proof is None:
-        return (Decision(Behaviour.NORMAL, Reason.FOLLOWS, cause=x.user.id, passes=True),)
+        return (Decision(behaviour=Behaviour.NORMAL, reason=Reason.FOLLOWS, cause=x.user.id, passes=True),)
     if proof.aside is not None:
         return ()
-    return (Decision(Behaviour.OVERTAKING, Reason.NO_ROOM_TO_PASS, region=proof.obstacle, cause=x.user.id),)
+    return (Decision(behaviour=Behaviour.OVERTAKING, reason=Reason.NO_ROOM_TO_PASS, region=proof.obstacle, cause=x.user.id),)
 
 
 def _passing(situation: Situation, orders: Orders) -> Orders:
@@ -226,11 +226,11 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
     if step is None:
         return orders
     reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_id
-    decision = Decision(Behaviour.OVERTAKING, reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
+    decision = Decision(behaviour=Behaviour.OVERTAKING, reason=reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
     return orders._replace(
         instruction=step.overtaking.instruction,
         stops=tuple(stop for stop in orders.stops if stop.reason is not Reason.BLOCKED),
-        request=Request(Replanning.CURVE, aside=step.aside) if step.replans else orders.request,
+        request=Request(what=Replanning.CURVE, aside=step.aside) if step.replans else orders.request,
         decisions=(*(d for d in orders.decisions if d.reason is not Reason.BLOCKED), decision),
         memory=situation.memory._replace(overtaking=step.overtaking),
         top_speed=step.top_speed,
@@ -248,7 +248,7 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
     return orders._replace(
         instruction=way.instruction or orders.instruction,
         stops=orders.stops if way.stop is None else (way.stop,),
-        request=orders.request if orders.request.what is not Replanning.NOTHING else Request(way.replanning),
+        request=orders.request if orders.request.what is not Replanning.NOTHING else Request(what=way.replanning),
         decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
         memory=memory,
         top_speed=way.top_speed,

@@ -14,7 +14,7 @@ LARGEST_OTHERWISE = 1000.0
 """The same for every other limit, in its unit."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class VehicleLimits:
     """Dimensions in m, speeds in m/s, accelerations in m/s² (all positive), angles in rad.
 

@@ -109,9 +109,10 @@ def _region(
     start, end, region_id = float(along.min()), float(along.max()), f"{own.id}~{other.id}"
     first, last = float(fronts[at[0]]), float(fronts[at[-1]]) + _BODIES_STEP_M
     return ConflictRegion(
-        region_id, ConflictKind.CROSSING, own.id, other.id, Interval(start, end), Interval(first, last),
-        shapely.get_coordinates(shapely.convex_hull(shapely.geometrycollections(met)))[:-1],
-        PostConflictRegion(own.id, end, region_id),
+        id=region_id, kind=ConflictKind.CROSSING, own_id=own.id, other_id=other.id, own=Interval(start, end),
+        other=Interval(first, last),
+        polygon=shapely.get_coordinates(shapely.convex_hull(shapely.geometrycollections(met)))[:-1],
+        post=PostConflictRegion(own.id, end, region_id),
     )  # fmt: skip
 
 

@@ -167,10 +167,11 @@ def _region(
     start, end = (_inside(float(front), passage, own) for front in fronts)
     other, region_id = way.connection, f"{own.id}{way.mark}{way.connection.id}"
     return ConflictRegion(
-        region_id, ConflictKind.CROSSING, own.id, other.id, Interval(start, max(start, end)),
-        Interval(float(along.min()), float(along.max())),
-        shapely.get_coordinates(shapely.convex_hull(shapely.geometrycollections(met)))[:-1],
-        PostConflictRegion(own.id, end, region_id),  # who swings out with its front is out of it before its rear comes there
+        id=region_id, kind=ConflictKind.CROSSING, own_id=own.id, other_id=other.id, own=Interval(start, max(start, end)),
+        other=Interval(float(along.min()), float(along.max())),
+        polygon=shapely.get_coordinates(shapely.convex_hull(shapely.geometrycollections(met)))[:-1],
+        # who swings out with its front is out of it before its rear comes there
+        post=PostConflictRegion(own.id, end, region_id),
     )  # fmt: skip
 
 

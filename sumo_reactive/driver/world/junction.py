@@ -43,7 +43,7 @@ class LightLink:
     index: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Connection:
     """A way from one lane to another through a junction.
 
@@ -79,7 +79,7 @@ class Connection:
     head: Points | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Junction:
     """A junction: its kind as SUMO's network names it, outline (n, 2), connections in order of their index."""
 

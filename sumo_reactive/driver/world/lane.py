@@ -31,7 +31,7 @@ FARTHEST_M = 1e6
 _SAMPLES = np.linspace(0.1, 0.9, 5)  # fractions of the spine; its ends may fan out at the junctions
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Lane:
     """One lane of an edge, or one internal lane of a junction.
 

@@ -77,7 +77,7 @@ class PostConflictRegion:
         return f"{self.region_id or self.connection_id}+post"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ConflictRegion:
     """Where bodies on connection `own_id` and on `other_id` may touch: one vehicle at a time (F&L 1991, §2).
 

@@ -46,7 +46,7 @@ def arcs_of(connections: Mapping[str, Connection], regions: Iterable[ConflictReg
     return tuple(arcs)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RoadGraph:
     """The part of the world that a route touches; immutable, built once.
 

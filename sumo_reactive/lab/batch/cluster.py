@@ -68,7 +68,7 @@ def report_of(future: Future[Any], order: Order) -> Report:
     error = future.exception()
     if isinstance(error, KilledWorker):
         reason = "every worker that ran it died"
-        return Report(Outcome(order.task, Ending.CRASHED, reason=reason), dask.config.get(_ALLOWED) + 1)
+        return Report(Outcome(task=order.task, ending=Ending.CRASHED, reason=reason), dask.config.get(_ALLOWED) + 1)
     if isinstance(error, ReactiveError):
         raise error
     raise ClusterError(f"a worker cannot run this package: {type(error).__name__}: {error}") from error

@@ -71,7 +71,7 @@ def stop_batch(batch: str) -> None:
 def _run(order: Order) -> Outcome:
     with _lock:
         if order.batch in _stopped:
-            return Outcome(order.task, Ending.CRASHED, reason="the batch was stopped")
+            return Outcome(task=order.task, ending=Ending.CRASHED, reason="the batch was stopped")
         idle = _idle.setdefault(order.batch, [])
         runner = idle.pop() if idle else Runner()
         _busy.setdefault(order.batch, []).append(runner)

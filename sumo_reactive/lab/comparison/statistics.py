@@ -41,7 +41,7 @@ class ConfidenceInterval:
         return self.low <= 0.0 <= self.high
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PairedDifference:
     """Two measurements of the same n things: mean of each, mean difference (second − first), its interval (None: n = 1)."""
 
@@ -113,8 +113,9 @@ def paired_difference(pairs: Sequence[tuple[float, float]]) -> PairedDifference 
     differences = values[:, 1] - values[:, 0]
     first, second = values.mean(axis=0)
     return PairedDifference(
-        len(pairs), float(first), float(second), float(differences.mean()), interval_of([float(one) for one in differences])
-    )
+        n=len(pairs), first=float(first), second=float(second), difference=float(differences.mean()),
+        interval=interval_of([float(one) for one in differences]),
+    )  # fmt: skip
 
 
 def interval_of(differences: Sequence[float]) -> ConfidenceInterval | None:

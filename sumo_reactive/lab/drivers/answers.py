@@ -18,11 +18,13 @@ MOST_ACCELERATION = 100.0
 FARTHEST_AHEAD_M = 10.0
 """A place may be this much farther than the speed of the car at the end of the step allows; beyond it is a leap."""
 
+_NUMBERS = int | float
+
 
 def require_finite(*numbers: float) -> None:
     """Raise DriverError unless all are numbers that a car can be told."""
     for number in numbers:
-        if not isinstance(number, int | float) or not math.isfinite(number):
+        if not isinstance(number, _NUMBERS) or not math.isfinite(number):
             raise DriverError(f"answered {number!r} where a finite number is due")
 
 

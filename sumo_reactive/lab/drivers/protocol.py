@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from sumo_reactive.driver.geometry.polyline import Points
@@ -29,17 +31,27 @@ class Mission(NamedTuple):
     roads: RoadGraph
 
 
-class DriverView(NamedTuple):
-    """What a driver sees at `time` (s): its own `state`, itself and all `users` near as others see them, the lanes around.
-
-    `surroundings` is None while SUMO has the ego on no lane.
-    """
+class _Seen(NamedTuple):
+    """What a `DriverView` holds from the start; `look` finds its surroundings."""
 
     time: float
     state: VehicleState
     ego: RoadUser
     users: tuple[RoadUser, ...]
-    surroundings: Surroundings | None
+    look: Callable[[], Surroundings | None]
+
+
+class DriverView(_Seen):
+    """What a driver sees at `time` (s): its own `state`, itself and all `users` near as others see them, the lanes around.
+
+    `surroundings` is None while SUMO has the ego on no lane. They are looked for when they are first asked for, which must
+    be before the next step is simulated: DriverError later.
+    """
+
+    @cached_property
+    def surroundings(self) -> Surroundings | None:
+        """The lanes around, who is next on them, and the next light."""
+        return self.look()
 
 
 class LaneCommand(NamedTuple):

@@ -7,12 +7,14 @@ import time as clock
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from sumo_reactive.driver.geometry.polyline import Points, cut, joined
 from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Command, VehicleState
+from sumo_reactive.driver.nouns.surroundings import Surroundings
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes, lane_path
 from sumo_reactive.errors import DriverError
@@ -20,7 +22,7 @@ from sumo_reactive.lab.drivers.answers import placed, plan_after, speed_after, s
 from sumo_reactive.lab.drivers.protocol import Driver, DriverAnswer, DriverView, LaneCommand, Mission, TripEnd, Waypoint
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.ego import Ego
-from sumo_reactive.sumo.hand_over import move_on_lane, surroundings_of
+from sumo_reactive.sumo.hand_over import LanesAround, move_on_lane
 from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observed_vehicle import ObservedVehicle, VehicleScene
 from sumo_reactive.sumo.session import Session
@@ -49,7 +51,7 @@ class UsersTrip:
         self, session: Session, vehicle_id: str, net: WorldSource, scenario: Scenario, make: Callable[[], Driver]
     ) -> None:
         self._session, self._ego = session, Ego(vehicle_id, scenario.parameters)
-        self._vehicle = ObservedVehicle(vehicle_id, SEEN_REACH_M)
+        self._vehicle, self._lanes = ObservedVehicle(vehicle_id, SEEN_REACH_M), LanesAround(vehicle_id)
         self.id, self.limits, self.profile = vehicle_id, self._ego.limits, str(scenario.driver)
         self.departure, self.end = self._ego.departure, session.time
         self.arrived, self.stuck, self.failure = False, "", ""
@@ -57,7 +59,8 @@ class UsersTrip:
         self._moved, self._longest = session.time, scenario.parameters.stuck_s
         self._graph = net.build(self._ego.route.edges)
         choice = choose_lanes(self._graph, self._ego.route, self.limits.vehicle_class)
-        self._state = self._ego.take_over(session.step_length)
+        self._duration = session.step_length
+        self._state = self._ego.take_over(self._duration)
         self._plan: tuple[Waypoint, ...] = ()
         self.is_placed = False
         self._control_us = 0.0
@@ -65,8 +68,8 @@ class UsersTrip:
         seen = self._vehicle.look()
         assert seen is not None  # the ego has just been found on a lane
         self._own, self._users = seen.own, seen.others
-        way, step_length = middle_of_the_lanes(choice, seen.own), session.step_length
-        mission = Mission(vehicle_id, self._ego.route, self.limits, step_length, scenario.seed, way, self._graph)
+        way = middle_of_the_lanes(choice, seen.own)
+        mission = Mission(vehicle_id, self._ego.route, self.limits, self._duration, scenario.seed, way, self._graph)
         self._driver: Driver | None = None
         with self._blamed():
             self._driver = make()
@@ -75,15 +78,20 @@ class UsersTrip:
     def view(self) -> DriverView:
         """Return what the driver sees now, looked at once a step."""
         if self._view is None:
-            around = surroundings_of(self.id)
-            self._view = DriverView(self._session.time, self._state, self._own, self._users, around)
+            self._view = DriverView(self.end, self._state, self._own, self._users, partial(self._surroundings, self.end))
         return self._view
+
+    def _surroundings(self, time: float) -> Surroundings | None:
+        """Return what is around along the lanes, which SUMO knows of the present alone."""
+        if time != self.end:
+            raise DriverError(f"asked at {self.end:.1f} s for the surroundings at {time:.1f} s, which are past")
+        return self._lanes.look(self._own.lane_id, self._own.lane_position)
 
     def command(self) -> None:
         """Ask the driver, and have the ego where it says at the end of the next simulation step."""
         if self._driver is None or self.failure:
             return
-        with self._blamed():
+        try:  # as `_blamed`, which takes longer than all the rest
             view, began = self.view(), clock.perf_counter()
             answer = self._driver.step(view)
             took = clock.perf_counter() - began
@@ -91,6 +99,8 @@ class UsersTrip:
             if took > STEP_LIMIT_S:
                 raise DriverError(f"took {took:.1f} s for a step, more than {STEP_LIMIT_S:g} s")
             self._carry_out(answer)
+        except (Exception, SystemExit) as error:
+            self._blame(error)
 
     def scene(self) -> Scene | None:
         """Return what there is to judge after a simulation step; None while SUMO has the vehicle off the road."""
@@ -101,6 +111,7 @@ class UsersTrip:
         if seen is None and self.is_placed and not self.arrived:
             seen = VehicleScene(self._off_the_road(), (), "")
         if seen is None:
+            self._own = self._own._replace(lane_id="")
             return None
         self._follow(seen.own)
         self._users = seen.others
@@ -113,7 +124,7 @@ class UsersTrip:
 
     def arrive(self) -> bool:
         """Take the ego off the road if it has reached its goal where it was put; SUMO has those arrive that it moves."""
-        at_goal = self.is_placed and self._left() <= max(self._own.speed, 0.0) * self._session.step_length
+        at_goal = self.is_placed and self._left() <= max(self._own.speed, 0.0) * self._duration
         if at_goal and not self.arrived:
             self._vehicle.leave()
             self._ego.arrive()
@@ -145,7 +156,7 @@ class UsersTrip:
         if self.is_placed:
             self._ego.lane(self._state)
         else:
-            gain = (own.speed - self._state.speed) / self._session.step_length
+            gain = (own.speed - self._state.speed) / self._duration
             self._state = VehicleState(pose_of(own.x, own.y, own.heading, self.limits), own.speed, 0.0, gain)
         self._own = own
         if own.speed >= STANDING_SPEED:
@@ -162,7 +173,7 @@ class UsersTrip:
         return (goal - self._own.lane_position) * lane.scale
 
     def _carry_out(self, answer: DriverAnswer) -> None:
-        duration = self._session.step_length
+        duration = self._duration
         if isinstance(answer, LaneCommand):
             speed = speed_after(answer, self._own.speed, self.limits, duration)
             self.is_placed = False
@@ -171,7 +182,7 @@ class UsersTrip:
         if isinstance(answer, Command):
             self._state, self._plan = steered(answer, self._state, self.limits, duration), ()
         else:
-            time = self._session.time + duration
+            time = self.end + duration
             self._plan = plan_after(answer, self._plan, time)
             self._state = placed(self._plan, self._state, self.limits, time, duration)
         self.is_placed = True
@@ -189,9 +200,13 @@ class UsersTrip:
         try:
             yield
         except (Exception, SystemExit) as error:  # whatever the user's code raises is told, and is no fault of this program
-            frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent != _HERE]
-            told = str(error) if isinstance(error, DriverError) else "".join(traceback.format_exception_only(error)).strip()
-            self.failure = self.failure or "".join((*traceback.format_list(frames), told))
+            self._blame(error)
+
+    def _blame(self, error: BaseException) -> None:
+        """Keep what was raised, with the frames of the user's code, unless something was before."""
+        own = (frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent != _HERE)
+        told = str(error) if isinstance(error, DriverError) else "".join(traceback.format_exception_only(error)).strip()
+        self.failure = self.failure or "".join((*traceback.format_list([*own]), told))
 
 
 def middle_of_the_lanes(choice: LaneChoice, own: RoadUser) -> Points:

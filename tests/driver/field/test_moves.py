@@ -17,8 +17,8 @@ from sumo_reactive.driver.nouns.state import Pose, VehicleState
 
 ROAD = plan_along(straight())
 LOCK, BEND = 0.6, math.sin(0.6) / CAR.wheelbase
-FORWARDS = Move(1, LOCK, BEND, 1.5)
-BACKWARDS = Move(-1, -LOCK, -BEND, 1.5)
+FORWARDS = Move(gear=1, steering_angle=LOCK, bend=BEND, until=1.5)
+BACKWARDS = Move(gear=-1, steering_angle=-LOCK, bend=-BEND, until=1.5)
 PERIOD = 0.1
 
 

@@ -34,7 +34,10 @@ def road(
     for k in range(lanes):
         line = Polyline(spine + k * left)
         allowed = frozenset({"bus"} if k in closed else {"passenger", "bus"})
-        made.append(Lane(f"{edge_id}_{k}", edge_id, k, line, line.length, WIDTH, speed, allowed))
+        made.append(Lane(
+            id=f"{edge_id}_{k}", edge_id=edge_id, index=k, spine=line, length=line.length, width=WIDTH, speed_limit=speed,
+            allowed=allowed,
+        ))  # fmt: skip
     return tuple(made)
 
 
@@ -52,11 +55,20 @@ def graph(
         if np.hypot(*(end - start)) < 0.01:
             end = start + np.array([0.05, 0.0])
         path = Polyline(np.vstack([start, *between, end]))
-        part = Lane(f":J{number}_0", f":J{number}", 0, path, path.length, WIDTH, 13.9, lanes[b].allowed, True)
-        connection = Connection(f"{a}->{b}", f"J{number}", 0, a, b, (part.id,), path, Turn.STRAIGHT, Control.MAJOR)
+        part = Lane(
+            id=f":J{number}_0", edge_id=f":J{number}", index=0, spine=path, length=path.length, width=WIDTH,
+            speed_limit=13.9, allowed=lanes[b].allowed, is_internal=True,
+        )  # fmt: skip
+        connection = Connection(
+            id=f"{a}->{b}", junction_id=f"J{number}", index=0, from_lane=a, to_lane=b, parts=(part.id,), path=path,
+            turn=Turn.STRAIGHT, control=Control.MAJOR,
+        )  # fmt: skip
         connections[connection.id], lanes[part.id] = connection, part
     edges = {group[0].edge_id: group for group in roads}
-    return RoadGraph(lanes, edges, {}, connections, {}, arcs_of(connections, ()), {}, False)
+    return RoadGraph(
+        lanes=lanes, edge_lanes=edges, junctions={}, connections=connections, regions={}, arcs=arcs_of(connections, ()),
+        opposite={}, left_hand=False,
+    )  # fmt: skip
 
 
 def start_on(lane: Lane, position: float, speed: float = 10.0, offset: float = 0.0, route_index: int = 0) -> PlanStart:

@@ -26,8 +26,8 @@ ABC = Route(("a", "b", "c"))
 
 def test_a_lane_that_leads_on_as_well_costs_the_change_to_it() -> None:
     made = world(("a_0", "b_0"), ("a_1", "b_1"))
-    assert ways(made, "a_1", ABC) == (ParallelLane("a_1", "a_0", -1, 1.0),)
-    assert ways(made, "a_0", ABC) == (ParallelLane("a_0", "a_1", 1, 1.0),)
+    assert ways(made, "a_1", ABC) == (ParallelLane(from_lane="a_1", to_lane="a_0", side=-1, cost=1.0),)
+    assert ways(made, "a_0", ABC) == (ParallelLane(from_lane="a_0", to_lane="a_1", side=1, cost=1.0),)
 
 
 def test_a_lane_that_has_to_be_left_again_before_the_junction_is_none() -> None:
@@ -37,7 +37,7 @@ def test_a_lane_that_has_to_be_left_again_before_the_junction_is_none() -> None:
 def test_there_is_none_where_c_ends_on_a_lane_that_it_still_has_to_leave() -> None:
     made = world(("a_1", "b_1"))
     choice = choose_lanes(made, ABC, "passenger")
-    assert parallel_lanes(choice, (LaneSegment("a_0", 0.0, 100.0, 0.0, 0),)) == {}
+    assert parallel_lanes(choice, (LaneSegment(lane_id="a_0", start=0.0, end=100.0, lane_offset=0.0, route_index=0),)) == {}
 
 
 def test_a_change_that_has_to_be_made_back_later_is_counted() -> None:

@@ -67,7 +67,7 @@ def test_turners_who_have_to_let_others_go_first_add_to_the_wait(turners):
     assert expected_wait(queue(*users), 0.0, USUAL) == expected
 
 
-WAY = ParallelLane("from_south_1", "from_south_0", -1, 1.0)
+WAY = ParallelLane(from_lane="from_south_1", to_lane="from_south_0", side=-1, cost=1.0)
 
 
 def at_the_lights(away=50.0):

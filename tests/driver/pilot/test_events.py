@@ -272,5 +272,5 @@ def test_a_long_wait_in_a_queue_does_not_make_the_pilot_run_at_every_step():
 
 
 def test_a_coarse_step_reports_the_events_of_all_its_parts(alone):
-    step = Controller(alone.graph, CAR).step(alone.traffic(), alone.drive(), 0.5)
+    step = Controller(graph=alone.graph, limits=CAR).step(alone.traffic(), alone.drive(), 0.5)
     assert Event(EventKind.NEW_PLAN) in step.completed.events

@@ -27,11 +27,12 @@ from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion, Int
 
 BOTH = Interval(5.0, 8.0)
 CROSSING = ConflictRegion(
-    "r", ConflictKind.CROSSING, "a", "b", BOTH, BOTH, np.zeros((4, 2)), PostConflictRegion("a", 8.0)
-)
+    id="r", kind=ConflictKind.CROSSING, own_id="a", other_id="b", own=BOTH, other=BOTH, polygon=np.zeros((4, 2)),
+    post=PostConflictRegion("a", 8.0),
+)  # fmt: skip
 WAY = Connection(
-    "b", "j", 0, "in_0", "out_0", (), Polyline(np.array([(0.0, 0.0), (20.0, 0.0)])), Turn.STRAIGHT, Control.MAJOR,
-    speed_limit=14.0,
+    id="b", junction_id="j", index=0, from_lane="in_0", to_lane="out_0", parts=(),
+    path=Polyline(np.array([(0.0, 0.0), (20.0, 0.0)])), turn=Turn.STRAIGHT, control=Control.MAJOR, speed_limit=14.0,
 )  # fmt: skip
 CAR_BODY, PERSON = Body(5.0, 1.8, 9.0, 12.0), Body(0.2, 0.5, 2.0, 1.5, is_person=True)
 

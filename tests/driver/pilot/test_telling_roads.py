@@ -23,7 +23,7 @@ Picture = tuple[Situation, Step]
 def far(ego: Situation, *users: RoadUser, **remembered) -> Picture:
     """A step of an ego that looks far and remembers this."""
     ego = ego.remembering(**remembered)
-    return ego, Controller(ego.graph, CAR).step(ego.traffic(*users, sight=600.0), ego.drive(), PERIOD)
+    return ego, Controller(graph=ego.graph, limits=CAR).step(ego.traffic(*users, sight=600.0), ego.drive(), PERIOD)
 
 
 def late(away: float = 620.0) -> Situation:
@@ -163,8 +163,13 @@ def turning(away: float, speed: float) -> Situation:
     """The ego before a turn in two moves, `away` m ahead of its bumper."""
     ego = before("blocked_lane", COUNTRY, 300.0, speed)
     heading, bend, start = ego.ego.pose.heading, 0.56 / CAR.wheelbase, ego.seen().front + away
-    moves = Move(1, LOCK, bend, heading + 0.9), Move(-1, -LOCK, -bend, heading + 3.1, is_last=True)
-    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, moves, 20.0, 5.0)
+    moves = Move(gear=1, steering_angle=LOCK, bend=bend, until=heading + 0.9), Move(
+        gear=-1, steering_angle=-LOCK, bend=-bend, until=heading + 3.1, is_last=True
+    )
+    turn = Turnaround(
+        start=start, line=start + 1.0, end=start + 6.0, from_lane="eastbound_0", from_index=0, to_lane="eastbound_out_0",
+        route_index=1, moves=moves, duration=20.0, into=5.0,
+    )  # fmt: skip
     return replace(ego, plan=replace(ego.plan, turnarounds=(turn,)))
 
 

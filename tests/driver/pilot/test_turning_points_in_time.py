@@ -89,7 +89,7 @@ def lights() -> Situation:
     return replace(ego, plan=replace(ego.plan, joins=0.0, lane_changes=()))
 
 
-WAY = ParallelLane("from_south_1", "from_south_0", -1, 1.0)
+WAY = ParallelLane(from_lane="from_south_1", to_lane="from_south_0", side=-1, cost=1.0)
 
 
 def queued(ahead: float, speed: float = 0.0, waiting: float = 60.0) -> Queued:
@@ -135,8 +135,11 @@ def begins(away: float = 1.0, speed: float = 0.0, stop: float | None = None, sto
     """Whether the ego begins its turn in several moves, `away` m ahead; `stood`: somebody comes over, it stood so long."""
     ego = ego_at("blocked_lane", STREET, 300.0, speed)
     start = ego.seen().front + away
-    move = Move(1, 0.6, 0.23, ego.ego.pose.heading + 3.1, is_last=True)
-    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, (move,), 20.0, 5.0)
+    move = Move(gear=1, steering_angle=0.6, bend=0.23, until=ego.ego.pose.heading + 3.1, is_last=True)
+    turn = Turnaround(
+        start=start, line=start + 1.0, end=start + 6.0, from_lane="eastbound_0", from_index=0, to_lane="eastbound_out_0",
+        route_index=1, moves=(move,), duration=20.0, into=5.0,
+    )  # fmt: skip
     memory = PilotMemory() if stood is None else PilotMemory(standing_since=ego.time - stood)
     place = None if stop is None else stop_at(start + stop, Reason.RED_LIGHT)
     plan, over = replace(ego.plan, turnarounds=(turn,)), "" if stood is None else "x"

@@ -24,7 +24,7 @@ ego_at = cache(before)
 
 def passes(ego: Situation, *users: RoadUser, sight: float = USUAL.overtaking_sight_m) -> bool:
     """Whether the ego pulls out now."""
-    step = Controller(ego.graph, CAR).step(ego.traffic(*users, sight=sight), ego.drive(), PERIOD)
+    step = Controller(graph=ego.graph, limits=CAR).step(ego.traffic(*users, sight=sight), ego.drive(), PERIOD)
     return step.completed.behaviour is Behaviour.OVERTAKING
 
 

@@ -25,10 +25,13 @@ def turning(away: float = 30.0, speed: float = 8.0):
     ego = before("blocked_lane", STREET, 300.0, speed)
     heading, bend = ego.ego.pose.heading, 0.56 / CAR.wheelbase
     arcs = ((1, LOCK, 0.9), (-1, -LOCK, 1.6), (1, LOCK, 3.1))
-    moves = [Move(gear, angle, bend * gear, heading + until) for gear, angle, until in arcs]
+    moves = [Move(gear=gear, steering_angle=angle, bend=bend * gear, until=heading + until) for gear, angle, until in arcs]
     moves[2] = replace(moves[2], is_last=True)
     start = ego.seen().front + away
-    turn = Turnaround(start, start + 1.0, start + 6.0, "eastbound_0", 0, "eastbound_out_0", 1, tuple(moves), 20.0, 5.0)
+    turn = Turnaround(
+        start=start, line=start + 1.0, end=start + 6.0, from_lane="eastbound_0", from_index=0, to_lane="eastbound_out_0",
+        route_index=1, moves=tuple(moves), duration=20.0, into=5.0,
+    )  # fmt: skip
     return replace(ego, plan=replace(ego.plan, turnarounds=(turn,))), turn
 
 
@@ -99,7 +102,10 @@ def test_a_move_waits_while_somebody_is_in_its_way_and_goes_on_then():
 def test_the_ego_makes_its_full_stop_where_it_turns_round():
     ego = before("blocked_lane", STREET, 10.0, 5.0)
     passage = ego.plan.passages[0]
-    turn = Turnaround(passage.start - 4.0, passage.start, passage.end, "eastbound_0", 0, "eastbound_out_0", 1, (), 20.0, 5.0)
+    turn = Turnaround(
+        start=passage.start - 4.0, line=passage.start, end=passage.end, from_lane="eastbound_0", from_index=0,
+        to_lane="eastbound_out_0", route_index=1, moves=(), duration=20.0, into=5.0,
+    )  # fmt: skip
     (way,) = replace(ego, plan=replace(ego.plan, turnarounds=(turn,))).considered().ways
     assert (way.turn, way.line) == (turn, turn.start)
     assert ego.considered().ways[0].line == passage.start
@@ -133,7 +139,7 @@ def test_a_turn_that_is_over_or_given_up_within_a_coarse_step_is_not_begun_anew_
     users = (ego.ahead("x", 0.6, 0.0),) if is_blocked else ()
     before_it, asks = next(pair for pair in pairwise(ego.driven(45.0, *users)) if pair[1].completed.awaits_plan)
     traffic = ego.traffic(*users)
-    coarse = Controller(ego.graph, CAR).step(replace(traffic, time=asks.snapshot.time), before_it.drive, 1.0)
+    coarse = Controller(graph=ego.graph, limits=CAR).step(replace(traffic, time=asks.snapshot.time), before_it.drive, 1.0)
     assert coarse.completed.request == asks.completed.request
     assert coarse.completed.move == before_it.completed.move
     assert coarse.drive.memory.move is None

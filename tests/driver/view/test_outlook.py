@@ -20,9 +20,14 @@ def ego():
     standing = before("blocked_lane", STREET, 300.0, 0.0)
     heading, bend = standing.ego.pose.heading, np.sin(LOCK) / CAR.wheelbase
     arcs = ((1, LOCK, 0.9), (-1, -LOCK, 1.6), (1, LOCK, 3.1))
-    moves = tuple(Move(gear, angle, bend * gear, heading + until) for gear, angle, until in arcs)
+    moves = tuple(
+        Move(gear=gear, steering_angle=angle, bend=bend * gear, until=heading + until) for gear, angle, until in arcs
+    )
     front = standing.seen().front
-    turn = Turnaround(front + 0.5, front + 1.0, front + 6.0, "eastbound_0", 0, "westbound_0", 1, moves, 15.0, 5.0)
+    turn = Turnaround(
+        start=front + 0.5, line=front + 1.0, end=front + 6.0, from_lane="eastbound_0", from_index=0, to_lane="westbound_0",
+        route_index=1, moves=moves, duration=15.0, into=5.0,
+    )  # fmt: skip
     return replace(standing, plan=replace(standing.plan, turnarounds=(turn,)))
 
 

@@ -50,7 +50,7 @@ def test_behind_the_junction_the_borders_go_on(ego):
 def test_what_was_observed_counts_within_reach_on_all_sides(ego):
     x, y = ego.ego.pose.ahead(CAR.wheelbase)
     seen = np.array([(x, y - 4.0), (x + 5.0, y + 6.9), (x + 5.0, y + 7.1)])
-    traffic = Traffic(100.0, (), {}, static=seen)
+    traffic = Traffic(time=100.0, users=(), lights={}, static=seen)
     points = perceive(traffic, ego.ego, ego.plan, ego.graph, CAR, locate(ego.ego, ego.plan, CAR, 0.0)).static
     assert [bool((points == p).all(axis=1).any()) for p in seen] == [True, True, False]
 

@@ -21,7 +21,10 @@ def road(*own, oncoming=(), left_hand=False) -> RoadGraph:
     ]
     edge_lanes = {"ab": tuple(ab), "ba": tuple(ba)}
     opposite = {"ab": "ba", "ba": "ab"} if oncoming else {}
-    return RoadGraph({one.id: one for one in ab + ba}, edge_lanes, {}, {}, {}, (), opposite, left_hand)
+    return RoadGraph(
+        lanes={one.id: one for one in ab + ba}, edge_lanes=edge_lanes, junctions={}, connections={}, regions={}, arcs=(),
+        opposite=opposite, left_hand=left_hand,
+    )  # fmt: skip
 
 
 def lines(graph: RoadGraph, vehicle_class: str = "passenger") -> list[float]:

@@ -33,7 +33,10 @@ def junction(*connections, foes=()) -> Junction:
     yields, conflicts = np.zeros((size, size), dtype=bool), np.zeros((size, size), dtype=bool)
     for i, j in foes:
         yields[i, j] = conflicts[i, j] = conflicts[j, i] = True
-    return Junction("j", "priority", np.zeros((1, 2)), connections, RightOfWay(yields, conflicts))
+    return Junction(
+        id="j", kind="priority", outline=np.zeros((1, 2)), connections=connections,
+        right_of_way=RightOfWay(yields, conflicts),
+    )  # fmt: skip
 
 
 def lane(lane_id, points=((0, 0), (100, 0)), **details) -> Lane:
@@ -41,7 +44,7 @@ def lane(lane_id, points=((0, 0), (100, 0)), **details) -> Lane:
     edge, _, index = lane_id.rpartition("_")
     spine = Polyline(np.array(points, dtype=float))
     fixed = {"length": spine.length, "width": 3.2, "speed_limit": 13.9, "allowed": VEHICLE_CLASSES}
-    return Lane(lane_id, edge, int(index), spine, **{**fixed, **details})
+    return Lane(id=lane_id, edge_id=edge, index=int(index), spine=spine, **{**fixed, **details})
 
 
 def only(regions: tuple[ConflictRegion, ...]) -> ConflictRegion:

@@ -22,7 +22,11 @@ sys.path.insert(0, str(EXAMPLES))
 from sumo_reactive_examples import own_parts
 
 ROOT = Path(__file__).resolve().parents[3]
-LIMITS = VehicleLimits(4.0, 1.8, 2.4, 0.8, 50.0, 2.6, 2.5, 4.5, 9.0, 0.65, 1.0, 4.0, 3.0)
+LIMITS = VehicleLimits(
+    length=4.0, width=1.8, wheelbase=2.4, front_overhang=0.8, max_speed=50.0, max_acceleration=2.6, comfort_deceleration=2.5,
+    service_deceleration=4.5, emergency_deceleration=9.0, max_steering_angle=0.65, max_steering_rate=1.0,
+    max_lateral_acceleration=4.0, comfort_lateral_acceleration=3.0,
+)  # fmt: skip
 BIKE = Body(1.6, 0.65, 5.0, 5.0)
 
 
@@ -31,11 +35,11 @@ def least_room_beside_a_cyclist(parts: Parts) -> float:
     route = Route(("eastbound", "eastbound_out"))
     graph = read_net(ROOT / "networks" / "country_road" / "country_road.net.xml").build(route.edges)
     start = PlanStart(Pose(136.8, 98.4, 0.0), 10.0, 0.0, 0.0, "eastbound_0", 100.0, 0)
-    driving, rooms = set_out(Controller(graph, LIMITS, parts=parts), route, start), [math.inf]
+    driving, rooms = set_out(Controller(graph=graph, limits=LIMITS, parts=parts), route, start), [math.inf]
     for k in range(300):
         x = 180.0 + 0.4 * k
         cyclist = RoadUser("bike", x, 96.9, 0.0, 4.0, "eastbound_0", x - 40.0, BIKE, ("eastbound", "eastbound_out"))
-        driving = driving.after(driving.step(Traffic(0.1 * k, (cyclist,), {}), 0.1), 0.1 * k + 0.1)
+        driving = driving.after(driving.step(Traffic(time=0.1 * k, users=(cyclist,), lights={}), 0.1), 0.1 * k + 0.1)
         front = driving.drive.ego.pose.ahead(LIMITS.front_to_rear_axle)
         if -LIMITS.length < x - front[0] < BIKE.length:
             rooms.append(abs(front[1] - 96.9) - 0.5 * (LIMITS.width + BIKE.width))

@@ -61,6 +61,14 @@ def test_a_program_that_is_silent_has_failed(tmp_path, monkeypatch):
     assert "no answer within 0.3 s" in result.ended
 
 
+def test_a_program_that_does_not_read_its_mission_has_failed(tmp_path, monkeypatch):
+    monkeypatch.setattr(program, "ANSWER_LIMIT_S", 0.3)
+    (tmp_path / "driver.py").write_text("import time; time.sleep(60)", encoding="utf-8")
+    more_than_a_pipe_holds = "x" * 2**18
+    result, _ = steps_of(driven_by(f"exec:{sys.executable} driver.py", tmp_path, text=more_than_a_pipe_holds))
+    assert "has not read what it is told within 0.3 s" in result.ended
+
+
 def test_the_program_has_ended_when_the_trip_has(tmp_path):
     code = READY + (
         "print('{\"lane\": [2.0, null, true]}', flush=True)\n"

@@ -67,6 +67,18 @@ def test_an_answer_that_no_car_can_carry_out_is_the_drivers_failure(name, told):
     assert told in result.ended
 
 
+def test_the_lanes_around_are_told_inside_a_junction_too():
+    """Where its lane 0 leads on to lane 1, because a lane begins beside it."""
+    merge = replace(load_scenario(ROOT / "scenarios" / "on_ramp_merge.toml"), ego="through_right.0")
+    _, steps = steps_of(driven_by("wayward:LooksAround", scenario=merge))
+    assert {step.reason for step in steps[:-1]} == {"edge: 0", "edge: 1", "junction: 0"}
+
+
+def test_the_lanes_around_are_not_told_of_another_moment():
+    result, _ = steps_of(driven_by("wayward:LooksBack"))
+    assert result.ended.endswith("failed at 12.3 s: asked at 12.2 s for the surroundings at 12.1 s, which are past")
+
+
 def test_a_plan_is_followed_until_it_is_over():
     result, steps = steps_of(replace(driven_by("wayward:Straight"), until_s=17.0))
     assert result.ended == "until 17 s"

@@ -32,6 +32,25 @@ class CrashesAt20(Obedient):
         return super().step(view) if view.time < 20.0 - 1e-6 else 1 / 0
 
 
+class LooksAround(Obedient):
+    """Tells on which kind of lane it is, and whether it is shown what is around."""
+
+    def step(self, view):
+        """Look around."""
+        place = "junction" if view.ego.lane_id.startswith(":") else "edge"
+        self.reason = f"{place}: {'nothing' if view.surroundings is None else view.surroundings.own.number}"
+        return super().step(view)
+
+
+class LooksBack(Obedient):
+    """Looks at the lanes around when it has left them behind."""
+
+    def step(self, view):
+        """Look at what was shown in the step before."""
+        self.shown, before = view, getattr(self, "shown", None)
+        return LaneCommand(self.gain, before.surroundings.own.number if before else None, True)
+
+
 class Quits(Obedient):
     """Ends the whole process, or tries to."""
 

@@ -66,14 +66,15 @@ def escape(situation: Situation) -> Escape | None:
     if x is not None and _is_too_near(situation, x):
         place = x.start - situation.limits.parameters.halted_room_m
         stop = stop_at(place, Reason.BLOCKED, cause=x.user.id)
-        return Escape(Decision(Behaviour.BACKING_UP, Reason.BLOCKED, cause=x.user.id), Instruction.BACK_UP, stop)
+        decision = Decision(behaviour=Behaviour.BACKING_UP, reason=Reason.BLOCKED, cause=x.user.id)
+        return Escape(decision, Instruction.BACK_UP, stop)
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
         return None
     if x is not None and x.start - situation.snapshot.front < situation.limits.parameters.halted_room_m + 1.0:
-        decision = Decision(Behaviour.STOPPING, Reason.BLOCKED, cause=x.user.id)
+        decision = Decision(behaviour=Behaviour.STOPPING, reason=Reason.BLOCKED, cause=x.user.id)
         return Escape(decision) if x.user.is_halted else Escape(decision, Instruction.WIDEN, top_speed=_SQUEEZING_SPEED)
-    decision = Decision(Behaviour.STOPPING, Reason.NO_PROGRESS)
+    decision = Decision(behaviour=Behaviour.STOPPING, reason=Reason.NO_PROGRESS)
     if situation.memory.escapes % 2 == 0:
         return Escape(decision, replanning=Replanning.CURVE if due else Replanning.NOTHING)
     return Escape(decision, Instruction.WIDEN, top_speed=_SQUEEZING_SPEED)

@@ -109,7 +109,9 @@ def merge_early(
         return LaneChanging(slot=_slot(snapshot))
     beside = min(snapshot.neighbours, key=lambda one: abs(one.ahead), default=None)
     cause = beside.user.id if beside else ""
-    why = Decision(Behaviour.CHANGING_LANES, Reason.MERGE_AHEAD, merge.to_lane, cause, passes=True)
+    why = Decision(
+        behaviour=Behaviour.CHANGING_LANES, reason=Reason.MERGE_AHEAD, region=merge.to_lane, cause=cause, passes=True
+    )
     return LaneChanging(merge.side, why=why)
 
 
@@ -123,7 +125,7 @@ def _called_off(snapshot: Snapshot, plan: NominalPlan, begun: LaneChange, limits
     blocker = next((n.user.id for n in closing if not leaves_gap(n, snapshot.ego.speed, limits, 1.0)), "")
     if not blocker or not _may_wait(snapshot, plan, limits):
         return LaneChanging()
-    why = Decision(Behaviour.CHANGING_LANES, Reason.GAP_CLOSED, begun.to_lane, blocker)
+    why = Decision(behaviour=Behaviour.CHANGING_LANES, reason=Reason.GAP_CLOSED, region=begun.to_lane, cause=blocker)
     return LaneChanging(why=why, calls_off=True)
 
 

@@ -152,7 +152,10 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
     x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)
     needed = SWING_OUT_M + speed * speed / (2.0 * limits.comfort_deceleration)
     if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
-        why = Decision(Behaviour.CHANGING_QUEUES, Reason.QUEUE_CHANGE, way.to_lane, cause.user.id, passes=True)
+        why = Decision(
+            behaviour=Behaviour.CHANGING_QUEUES, reason=Reason.QUEUE_CHANGE, region=way.to_lane, cause=cause.user.id,
+            passes=True,
+        )  # fmt: skip
         return LaneChanging(way.side, why=why)
     place = x - limits.parameters.halted_room_m
     nearest = snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)

@@ -71,8 +71,8 @@ def turn_round(
     turn = plan.turnarounds[number]
     now = _move(turn, move, stop)
     if is_stuck:
-        decision = Decision(Behaviour.TURNING_ROUND, Reason.NO_PROGRESS, passes=True)
-        return Turning(now, decision, Request(Replanning.CURVE), memory._replace(move=None))
+        decision = Decision(behaviour=Behaviour.TURNING_ROUND, reason=Reason.NO_PROGRESS, passes=True)
+        return Turning(now, decision, Request(what=Replanning.CURVE), memory._replace(move=None))
     return _driven(turn, stop, (number, move + now.is_over(snapshot.ego)), memory)
 
 
@@ -98,10 +98,12 @@ def _may_begin(snapshot: Snapshot, turn: Turnaround, stop: TimeConstraint | None
 def _driven(turn: Turnaround, stop: TimeConstraint | None, at: tuple[int, int], memory: PilotMemory) -> Turning:
     """Return the orders for a turn `at` a move (the turn's number and the move's); after the last one for a curve from the
     lane turned into, for which the last move goes on until then."""
-    decision = Decision(Behaviour.TURNING_ROUND, Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True)
+    decision = Decision(
+        behaviour=Behaviour.TURNING_ROUND, reason=Reason.NARROW_TURN, cause=f"{len(turn.moves)} moves", passes=True
+    )
     if at[1] < len(turn.moves):
         return Turning(_move(turn, at[1], stop), decision, Request(), memory._replace(move=at))
-    after = Request(Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
+    after = Request(what=Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
     return Turning(_move(turn, -1, stop), decision, after, memory._replace(move=None))
 
 

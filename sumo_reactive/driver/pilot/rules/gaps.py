@@ -79,7 +79,10 @@ class Judgement(NamedTuple):
             ("foe_arrival_s", self.other.arrival),
             ("foe_clearance_s", self.other.clearance),
         )
-        return Decision(behaviour, self.reason, self.region, self.foe.user.id, self.passes, figures)
+        return Decision(
+            behaviour=behaviour, reason=self.reason, region=self.region, cause=self.foe.user.id, passes=self.passes,
+            figures=figures,
+        )  # fmt: skip
 
 
 def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:

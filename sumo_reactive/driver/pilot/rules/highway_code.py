@@ -181,4 +181,6 @@ _STOPS_OF = {
 
 def decision_of(stop: TimeConstraint) -> Decision:
     """Return the decision that a stop stands for."""
-    return Decision(_STOPS_OF.get(stop.reason, Behaviour.CAUTIOUS), stop.reason, stop.region, stop.cause)
+    return Decision(
+        behaviour=_STOPS_OF.get(stop.reason, Behaviour.CAUTIOUS), reason=stop.reason, region=stop.region, cause=stop.cause
+    )

@@ -44,7 +44,10 @@ def stop_at_line(
     if asked is Signal.GO_ON_YELLOW:
         needed = snapshot.ego.speed**2 / (2.0 * max(to_line, 0.1))
         figures = (("to_line_m", to_line), ("braking_needed_m_s2", needed))
-        return None, Decision(Behaviour.CROSSING, Reason.YELLOW_TOO_CLOSE, "", light, True, figures), memory
+        why = Decision(
+            behaviour=Behaviour.CROSSING, reason=Reason.YELLOW_TOO_CLOSE, cause=light, passes=True, figures=figures
+        )
+        return None, why, memory
     due = asked is Signal.STOP_THEN_GO or (not letter and connection.control in _FULL_STOP)
     if not due or memory.stopped_at == connection.id:
         return None, None, memory
