@@ -22,7 +22,7 @@ from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import CURVATURE_WINDOW_M
 
-PLACE, TIME, SPEED, IS_BEHIND, BRAKING, IS_CERTAIN, IS_ON_SCHEDULE = range(7)
+PLACE, TIME, SPEED, IS_BEHIND, HIS_BRAKING, IS_CERTAIN, IS_ON_SCHEDULE = range(7)
 """Columns of the row of a time constraint: s (m), time (s), speed (m/s), whether it is a leader's rear, his braking (m/s²),
 whether its time is known, whether it is of the schedule."""
 

@@ -14,7 +14,7 @@ from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.field.command_grid import gentlest_brake
 from sumo_reactive.driver.field.demands import (
-    BRAKING,
+    HIS_BRAKING,
     IS_BEHIND,
     IS_CERTAIN,
     IS_ON_SCHEDULE,
@@ -264,7 +264,7 @@ def room_left(hard: Floats, front: float, margin: float) -> float:
     room = np.inf
     for k in range(len(hard)):
         row = hard[k]
-        braking = row[SPEED] * row[SPEED] / (2.0 * row[BRAKING]) if row[IS_BEHIND] > 0.0 else 0.0
+        braking = row[SPEED] * row[SPEED] / (2.0 * row[HIS_BRAKING]) if row[IS_BEHIND] > 0.0 else 0.0
         room = min(room, room_before(row, front, margin) + braking)
     return room
 
