@@ -55,6 +55,7 @@ def project(tmp_path: Path) -> Path:
         (tmp_path / folder).mkdir(parents=True)
     for folder in ("sumo_reactive", "sumo_reactive/driver", "sumo_reactive/driver/pilot"):
         (tmp_path / folder / "__init__.py").touch()
+    (tmp_path / "sumo_reactive" / "pytest_plugin.py").touch()  # the installed package's entry point names it
     (tmp_path / "sumo_reactive" / "driver" / "compilation.py").write_text(COMPILATION, encoding="utf-8")
     (tmp_path / "sumo_reactive" / "driver" / "pilot" / "maths.py").write_text(SOURCE, encoding="utf-8")
     (tmp_path / "tests" / "driver" / "pilot" / "test_maths.py").write_text(TESTS, encoding="utf-8")

@@ -11,7 +11,7 @@ from helpers.programs import ROOT, TOOLS, run_tool
 from sumo_reactive.lab.metric_names import METRICS, OTHERS
 
 PAGES = {page: page.read_text(encoding="utf-8") for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
-ELSEWHERE = ("equality", "measures", "observation")
+ELSEWHERE = ("steps", "equality", "measures", "observation")
 """Samples that other tools write, or none."""
 CHECK_S = 500.0
 
