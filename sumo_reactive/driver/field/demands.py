@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from struct import Struct
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.compilation import kernel
+from sumo_reactive.driver.field.field import driver_of
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Weights
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
@@ -96,6 +97,18 @@ def car_of(completed: CompletedPlan, limits: VehicleLimits) -> Floats:
         limits.max_steering_angle, limits.max_lateral_acceleration, limits.emergency_deceleration, 0.0,
         w.valley, w.shadow, w.velocity,
     ))  # fmt: skip
+
+
+@kept(4)
+def held_of(completed: CompletedPlan, limits: VehicleLimits) -> tuple[Any, ...]:
+    """Return what stays as it is while the plan is in force, in the order in which `commanded` takes it: manner, car,
+    driver, rows of the (l, t_l) and of the speeds, and C."""
+    plan, curve = completed.plan, completed.plan.curve
+    return (
+        manner_of(completed, limits), car_of(completed, limits), driver_of(limits.parameters),
+        timed_rows(completed), speed_rows(completed),
+        curve.x, curve.y, curve.heading, curve.curvature, bends_of(plan), plan.speed_limits, curve.step,
+    )  # fmt: skip
 
 
 def weights_of(completed: CompletedPlan, parameters: Parameters) -> Weights:

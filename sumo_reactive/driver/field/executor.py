@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid, wide_grid
-from sumo_reactive.driver.field.demands import (
-    bends_of,
-    car_of,
-    hard_rows,
-    manner_of,
-    slot_rows,
-    speed_rows,
-    timed_rows,
-)
+from sumo_reactive.driver.field.demands import car_of, hard_rows, held_of, slot_rows
 from sumo_reactive.driver.field.desired_speed import (
     HARDER_BY,
     desired_speed,
@@ -116,14 +108,13 @@ def execute(
 
 def _of_lattice(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:
     """Choose from the lattice: one compiled pass from the constraints to the state that the command leads to."""
-    plan, curve, (pose, speed, angle, acceleration) = completed.plan, completed.plan.curve, snapshot.ego
-    verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned = commanded(
+    pose, speed, angle, acceleration = snapshot.ego
+    numbers: tuple[Any, ...] = (
         snapshot.time, snapshot.s, snapshot.d, snapshot.front, *pose, speed, angle, acceleration, period,
-        manner_of(completed, limits), car_of(completed, limits), driver_of(limits.parameters),
-        hard_rows(snapshot, completed), timed_rows(completed), speed_rows(completed), slot_rows(snapshot, completed),
-        curve.x, curve.y, curve.heading, curve.curvature, bends_of(plan), plan.speed_limits, curve.step,
+        *held_of(completed, limits), hard_rows(snapshot, completed), slot_rows(snapshot, completed),
         snapshot.static, snapshot.boxes, *snapshot.room,
     )  # fmt: skip
+    verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned = commanded(*numbers)
     if verdict == STANDS:
         return Execution(Command(0.0, 0.0), snapshot.ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
     state = VehicleState(Pose(x, y, heading), faster, turned, (faster - speed) / period)

@@ -31,10 +31,9 @@ def car_in(car: Floats, x: float, y: float, heading: float, speed: float, angle:
 @kernel
 def commanded(
     time: float, s: float, d: float, front: float, x: float, y: float, heading: float, speed: float, angle: float,
-    acceleration: float, period: float, manner_row: Floats, car: Floats, driver: Floats,
-    hard: Floats, timed: Floats, speeds: Floats, slots: Floats,
+    acceleration: float, period: float, manner_row: Floats, car: Floats, driver: Floats, timed: Floats, speeds: Floats,
     cx: Floats, cy: Floats, ch: Floats, curvature: Floats, bends: Floats, limits_along: Floats, step: float,
-    static: Floats, boxes: Floats, left: float, right: float,
+    hard: Floats, slots: Floats, static: Floats, boxes: Floats, left: float, right: float,
 ) -> tuple[int, float, int, float, float, float, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return the verdict, v_d (m/s), the hazard (see `wished`), acceleration, steering rate, U, U₁, U₂, U₃ of the command
     from the lattice, and x, y, heading, speed, steering angle where it leads.
