@@ -9,7 +9,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
-from sumo_reactive.driver.nouns.traffic import Body, RoadUser, Traffic
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
 from sumo_reactive.driver.view.leaders import ORDINARY_M
@@ -194,12 +194,9 @@ def foes_of(
     """Return who can reach a region of the plan's passages in `sight`, once for each region."""
     found: list[Foe] = []
     meanings = _meanings(graph, plan, limits, sight) if sight else {}
-    of_bodies: dict[Body, Mapping[str, tuple[_Meaning, ...]]] = {}
     for user in (*traffic.users, *traffic.beside) if meanings else ():
-        known, body, length = meanings, user.body, user.body.length
-        if length > ORDINARY_M:
-            found_before = of_bodies.get(body)
-            known = of_bodies[body] = found_before or _meanings(graph, plan, limits, sight, size_of(body))
+        length = user.body.length
+        known = meanings if length <= ORDINARY_M else _meanings(graph, plan, limits, sight, size_of(user.body))
         watched = known.get(user.lane_id)
         if watched is None:
             continue

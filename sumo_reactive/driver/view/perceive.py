@@ -179,8 +179,6 @@ def _swings_back(
 ) -> Iterator[TimeConstraint]:  # fmt: skip
     """Yield a leader for everybody who is before the ego on its own way through a junction, beside C now, and will come over
     it: in a turn that the map draws too tight for the ego, C keeps off that way until its end."""
-    if not any(passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end for passage in plan.passages):
-        return
     curve, inside, known = plan.curve, _ways_inside(plan, graph), {obstacle.user.id for obstacle in on_path}
     for user in users:
         for passage, at, scale, left in inside.get(user.lane_id, ()) if user.id not in known else ():
