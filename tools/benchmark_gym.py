@@ -14,19 +14,17 @@ from __future__ import annotations
 
 import argparse
 import shutil
-import subprocess
 import tempfile
 import time as clock
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import gymnasium
 import libsumo
 import numpy as np
-from samples import replaced
+from samples import measured_on, replaced
 
 from sumo_reactive.gym import SumoReactiveEnv
 from sumo_reactive.lab.scenario import load_scenario
@@ -81,8 +79,8 @@ def main() -> None:
     table = "\n".join((*HEAD, *map(str, rows)))
     print(table)
     if asked.write:
-        text = asked.page.read_text(encoding="utf-8")
-        asked.page.write_text(replaced(text, "steps", f"{told(asked.write)}\n\n{table}"), encoding="utf-8")
+        text, head = asked.page.read_text(encoding="utf-8"), f"{measured_on(asked.write)}; `python tools/benchmark_gym.py`:"
+        asked.page.write_text(replaced(text, "steps", f"{head}\n\n{table}"), encoding="utf-8")
 
 
 def busy_scenario(folder: Path, scale: float) -> Path:
@@ -93,12 +91,6 @@ def busy_scenario(folder: Path, scale: float) -> Path:
     config.write_text(text.replace("</configuration>", f'<scale value="{scale:g}"/></configuration>'), encoding="utf-8")
     scenario.write_text(SCENARIO, encoding="utf-8")
     return scenario
-
-
-def told(machine: str) -> str:
-    """Return where and when the figures were measured."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
-    return f"Commit {commit.stdout.strip()}, {datetime.now(UTC):%Y-%m-%d}, {machine}; `python tools/benchmark_gym.py`:"
 
 
 def ours(folder: Path, steps: int) -> Iterator[Row]:

@@ -225,10 +225,15 @@ def _metric_table(metrics: Mapping[str, Metric]) -> str:
     return "\n".join(("| key | shown as | unit | what it is |", "|---|---|---|---|", *rows))
 
 
+def measured_on(machine: str) -> str:
+    """Return commit, date and machine in words."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
+    return f"Commit {commit.stdout.strip()}, {datetime.now(UTC):%Y-%m-%d}, {machine}"
+
+
 def timings(machine: str) -> str:
     """What the benchmarks print, with commit, date and machine."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
-    lines = [f"Commit {commit.stdout.strip()}, {datetime.now(UTC):%Y-%m-%d}, {machine}."]
+    lines = [f"{measured_on(machine)}."]
     for words in (["benchmark_step", "--repeats", "1000"], ["benchmark_run", *SHORT_RUN], ["compare_profiles"]):
         command = [sys.executable, str(ROOT / "tools" / f"{words[0]}.py"), *words[1:]]
         said = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True).stdout

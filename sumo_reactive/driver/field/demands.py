@@ -145,7 +145,7 @@ def _leaders(snapshot: Snapshot, completed: CompletedPlan) -> tuple[TimeConstrai
 
 @kept(1)
 def _hard_rows(completed: CompletedPlan) -> Floats:
-    return _rows(completed.hard)
+    return _unpacked(_hard_packed(completed))
 
 
 @kept(1)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
@@ -54,6 +55,16 @@ class RoadUser(NamedTuple):
     waiting_time: float = 0.0
     is_halted: bool = False
     acceleration: float = 0.0
+
+
+_BOX = Struct("6d")
+
+
+def boxes_of(users: Iterable[RoadUser]) -> NDArray[np.float64]:
+    """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width (m, rad, m/s)."""
+    pack = _BOX.pack
+    packed = [pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users]  # by place: it is done for all at every step
+    return np.frombuffer(bytearray().join(packed)).reshape(-1, 6)
 
 
 Switches = Mapping[str, tuple[tuple[float, str], ...]]

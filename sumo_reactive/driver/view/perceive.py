@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from struct import Struct
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
-from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic, boxes_of
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
     ATTENTION_MIN_AHEAD_M,
@@ -47,8 +46,6 @@ SWUNG_STEP_M = 1.0
 """Who comes over C farther along his way is looked for in such steps."""
 
 _NO_ONE_NEAR: Floats = np.empty((0, 8))
-
-_BOX = Struct("6d")
 
 
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
@@ -102,13 +99,6 @@ def _comes_first(off_tracking: OffTracking, plan: NominalPlan, front: float) -> 
     return change is not None and off_tracking.start < change.start
 
 
-def _boxes(users: tuple[RoadUser, ...]) -> Floats:
-    """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width."""
-    pack = _BOX.pack
-    packed = [pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users]  # by place: it is done for all at every step
-    return np.frombuffer(bytearray().join(packed)).reshape(-1, 6)
-
-
 def _related(
     users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
 ) -> tuple[Floats, tuple[PathObstacle, ...]]:
@@ -121,7 +111,7 @@ def _related(
     curve, (x, y, heading), speed = plan.curve, ego.pose, ego.speed
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     near, touchable, blocking, stretches = related(
-        _boxes(users), x, y, heading, speed, limits.length,
+        boxes_of(users), x, y, heading, speed, limits.length,
         curve.x, curve.y, curve.heading, curve.step, front, reach, *band_of(curve, limits),
     )  # fmt: skip
     for row, k in touchable.tolist() if len(touchable) else ():

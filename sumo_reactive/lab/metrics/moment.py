@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
-from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.nouns.traffic import RoadUser, boxes_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 SHRINK_M = 0.05
@@ -92,8 +91,6 @@ JUDGED_REACH_M = 80.0
 
 GHOST = "reactive.ghost."
 
-_BOX = Struct("6d")
-
 
 class Nearby(NamedTuple):
     """Who is near the ego after a step.
@@ -158,7 +155,7 @@ class Neighbourhood:
         near, before = _near(scene.users, step.x, step.y), self._users
         changes = [_change(before[user.id], user, duration) if user.id in before else math.nan for user in near]
         self._last, self._users = step, {user.id: user for user in near}
-        boxes = (_boxes(near), np.array(changes)) if near else (_NO_BOXES, _NOTHING)
+        boxes = (boxes_of(near), np.array(changes)) if near else (_NO_BOXES, _NOTHING)
         return Nearby(step, duration, acceleration, near, *boxes)
 
 
@@ -178,7 +175,7 @@ class Watch:
         known = {user.id for user in near}
         others = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
         if others:
-            touching |= self._contacts(step, others, _boxes(others))[0]
+            touching |= self._contacts(step, others, boxes_of(others))[0]
         changes = zip(near, nearby.accelerations.tolist(), strict=True)
         slowing = {user.id: change for user, change in changes if change < 0.0}
         return Moment(*nearby, self._length, self._width, touching, times, slowing, scene.crossed, scene.world)
@@ -203,9 +200,3 @@ def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ..
     reach = JUDGED_REACH_M * JUDGED_REACH_M
     near = [u for u in users if (dx := u.x - x) * dx + (dy := u.y - y) * dy < reach and not u.id.startswith(GHOST)]
     return tuple(near)
-
-
-def _boxes(users: tuple[RoadUser, ...]) -> Floats:
-    pack = _BOX.pack
-    packed = [pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users]  # by place: it is done for all at every step
-    return np.frombuffer(bytearray().join(packed)).reshape(-1, 6)
