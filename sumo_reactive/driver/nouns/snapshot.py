@@ -36,8 +36,8 @@ class Conflict(NamedTuple):
     """One conflict region on the way, and who goes first there.
 
     `must_yield`: the ego lets the other connection go first; `is_yielded_to`: the other connection lets the ego go first;
-    `lets_pass`: the ids of all connections that it lets go first. `waits_in_the_way`: who turns into the ego's lane, and
-    waits for it where the map says, has his body in its corridor. `reaches_over`: how far before the ego's stop line a long
+    `lets_pass`: the ids of all connections that it lets go first. `waits_in_the_way`: who waits for the ego
+    where the map says has his body in its corridor. `reaches_over`: how far before the ego's stop line a long
     body on the other connection reaches over its way, m.
     """
 

@@ -47,10 +47,10 @@ def _walked(
 
 
 def _against(conflict: Conflict, plan: NominalPlan, number: int, limits: VehicleLimits) -> Conflict:
-    """Return a conflict with whether somebody like the ego, who turns into its lane and waits for it, stands in its corridor
-    along C."""
+    """Return a conflict with whether somebody like the ego, who waits for it where the map says, stands in its corridor along
+    C."""
     wait, path, curve, passage = conflict.other.wait_at, conflict.other.path, plan.curve, plan.passages[number]
-    if wait is None or conflict.region.kind is not ConflictKind.MERGING or not conflict.is_yielded_to:
+    if wait is None or not conflict.is_yielded_to:
         return conflict
     (x, y), (first_x, first_y), first = path.at(wait), path.at(wait - limits.length), path.heading_at(0.0)
     before = max(limits.length - wait, 0.0)  # his rear is on the lane that he comes from

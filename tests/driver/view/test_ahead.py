@@ -65,3 +65,14 @@ def test_a_driver_without_the_graph_finds_nothing_ahead(ego):
     without_graph = replace(ego, limits=replace(ego.limits, parameters=Parameters(without=Mechanism.GRAPH)))
     assert passages_ahead(ego.graph, ego.plan, without_graph.limits, (0,)) == ()
     assert without_graph.stop(from_west(ego)) is None
+
+
+@pytest.mark.parametrize("moved", [0.0, 3.0])
+def test_who_waits_for_the_ego_in_its_corridor_is_told_wherever_it_leads(moved):
+    ego = before("signalised_left_turns", ("from_north", "to_south"), 12.0, 6.0)
+    turn = ego.graph.connections["from_south_1->to_west_1"]
+    drawn = replace(turn, wait_at=turn.wait_at + moved)
+    graph = replace(ego.graph, connections={**ego.graph.connections, turn.id: drawn})
+    ((_, _, conflicts),) = passages_ahead(graph, ego.plan, ego.limits, (0,))
+    (found,) = [conflict for conflict in conflicts if conflict.other.id == turn.id]
+    assert found.is_yielded_to and found.waits_in_the_way is (moved > 0.0)
