@@ -13,6 +13,7 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, crossings
+from sumo_reactive.driver.pilot.rules.trust import LEAVES_AT, LEAVES_WITHIN_M
 from sumo_reactive.driver.view.ahead import passages_ahead
 
 SOUTH_NORTH, SOUTH_WEST = ("from_south", "to_north"), ("from_south", "to_west")
@@ -106,3 +107,12 @@ def test_a_left_turn_waits_before_those_who_go_first_or_whom_no_rule_makes_wait(
     (way,) = crossings(snapshot, ego.plan, ahead)
     place = met.region.own.start - REGION_MARGIN_M if moves_back else drawn
     assert way.wait_at == pytest.approx(place)
+
+
+@pytest.mark.parametrize(("gains", "goes_on"), [(0.9 * LEAVES_AT, True), (1.1 * LEAVES_AT, False)])
+def test_who_has_come_to_its_place_and_gains_speed_there_is_no_longer_trusted_to_wait(gains, goes_on):
+    ego = ego_at("signalised_left_turns", SOUTH_NORTH, 8.0, 8.0)
+    part = ego.graph.connections["from_north_1->to_east_1"].parts[0]
+    place = to_its_place() - 0.5 * LEAVES_WITHIN_M
+    turner = ego.other("x", part, place, 0.5, ("to_east",))._replace(acceleration=gains)
+    assert (ego.stop(turner, lights=GREEN) is None) is goes_on

@@ -24,6 +24,7 @@ from sumo_reactive.driver.pilot.rules.trust import (
     WAIT_INTO_M,
     gives_way,
     is_certain,
+    leaves_its_place,
     leaves_its_stop,
     stops_in_the_way,
 )
@@ -213,7 +214,8 @@ def judge(
     The conflict-region rule: one vehicle at a time (F&L 1991, §2).
     """
     (foe, committed), p, front = one, snapshot.parameters, snapshot.front
-    other = threat(foe, p, expects_ego=committed, gaining=_gaining(foe, snapshot, memory))
+    expects_ego = committed and not leaves_its_place(foe)
+    other = threat(foe, p, expects_ego=expects_ego, gaining=_gaining(foe, snapshot, memory))
     may_follow = committed or is_certain(foe) or _entry(foe.conflict, crossing) - front > ENTERING_M
     if not committed and stops_in_the_way(foe, crossing):
         may_follow = False

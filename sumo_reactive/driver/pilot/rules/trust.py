@@ -23,6 +23,12 @@ OFF_THE_LINE_M = 1.5
 STOPS_WITHIN_M = 0.5
 """A foe is trusted to stop if it is seen to brake so that it stands no farther than this behind the place to wait…"""
 
+LEAVES_AT = 1.0
+"""m/s²; a foe inside the junction that gains speed by more at its place to wait leaves it…"""
+
+LEAVES_WITHIN_M = 1.0
+"""…if that is no farther ahead than this."""
+
 BRAKES_SHARE = 1.05
 """…braking this much harder towards the end: SUMO's cars brake late, and with just the 4.5 m/s² that is theirs."""
 
@@ -44,7 +50,7 @@ def gives_way(foe: Foe, committed: bool, crossing: Crossing, parameters: Paramet
     room = room_to_wait(foe)
     if not committed and conflict.other.id in crossing.waits_in_the_way:
         return False  # each would wait for the other there
-    if room is None:
+    if room is None or leaves_its_place(foe):
         return False
     if _brakes_for_its_place(user, room):
         return True
@@ -80,6 +86,13 @@ def is_certain(foe: Foe) -> bool:
     body, conflict = foe.user.body, foe.conflict
     waits_at = foe.to_stop_line if conflict.region.own_id in conflict.lets_pass else foe.to_region
     return body.is_person or foe.user.speed**2 > 2.0 * body.emergency_deceleration * max(foe.to_region, waits_at, 0.0)
+
+
+def leaves_its_place(foe: Foe) -> bool:
+    """Whether a foe that has come to its place to wait inside the junction is seen to go on instead."""
+    room = room_to_wait(foe)
+    is_there = foe.to_stop_line < 0.0 and (room is None or room < LEAVES_WITHIN_M)
+    return is_there and foe.user.acceleration > LEAVES_AT
 
 
 def leaves_its_stop(foe: Foe) -> bool:
