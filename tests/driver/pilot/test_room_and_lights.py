@@ -70,14 +70,11 @@ def test_waiting_counts_only_where_the_light_let_the_ego_go_and_while_it_stood()
 NOSE = STANDING.other("nose", "from_west_0", -1.0, 0.0, WEST_EAST, 5.0)
 
 
-def with_nose(ego: Situation, **body) -> Snapshot:
-    """Somebody who waits at his line, his body in the ego's way behind its own line."""
-    snapshot = ego.seen(NOSE)
-    foes = [foe for foe in snapshot.foes if foe.to_stop_line >= 0.0]
-    assert foes
+def with_nose(ego: Situation, behind: float = 4.0, **body) -> Snapshot:
+    """Somebody who waits at his line, his body in the ego's way this far behind its own line."""
     (obstacle, *_) = ego.seen(ego.ahead("nose", 8.0, 0.0)).on_path
-    user = NOSE._replace(**{"is_halted": False, **body})
-    return snapshot._replace(on_path=(obstacle._replace(user=user, start=ego.line + 4.0, end=ego.line + 6.0),))
+    user, start = NOSE._replace(**{"is_halted": False, **body}), ego.line + behind
+    return ego.seen(NOSE)._replace(on_path=(obstacle._replace(user=user, start=start, end=start + 2.0),))
 
 
 def blocked_by_nose(ego: Situation, snapshot: Snapshot) -> bool:
@@ -87,12 +84,16 @@ def blocked_by_nose(ego: Situation, snapshot: Snapshot) -> bool:
 def test_who_waits_with_its_nose_in_the_way_is_waited_for_but_not_for_ever():
     holds = lambda s: blocked_by_nose(waited(s), with_nose(waited(s)))  # noqa: E731
     assert turns_at(holds, 30.0, 200.0) == pytest.approx(USUAL.queue_patience_s, abs=0.01)
-    assert not blocked_by_nose(waited(30.0), with_nose(waited(30.0), is_halted=True))
-    moving = with_nose(waited(30.0))
-    foes = tuple(foe._replace(user=foe.user._replace(speed=5.0)) for foe in moving.foes)
-    assert not blocked_by_nose(waited(30.0), moving._replace(foes=foes))
-    past = tuple(foe._replace(to_stop_line=-0.1) for foe in moving.foes)
-    assert not blocked_by_nose(waited(30.0), moving._replace(foes=past))
+    ego = waited(30.0)
+    for body in ({"is_halted": True}, {"speed": 5.0}, {"lane_id": ":centre_1_0"}):
+        assert not blocked_by_nose(ego, with_nose(ego, **body))
+
+
+def test_so_is_who_waits_beside_the_road_behind_where_the_ego_turns_out_of_the_junction():
+    passage, ego = STANDING.plan.passages[0], waited(30.0)
+    behind = passage.end - passage.start + CAR.length
+    assert blocked_by_nose(ego, with_nose(ego, behind - 0.1))
+    assert not blocked_by_nose(ego, with_nose(ego, behind + 0.1))
 
 
 def second_line(speed: float, away: float, behind: float, since: float = 100.0) -> bool:

@@ -42,7 +42,7 @@ def taken_by(way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: Veh
         return ""
     p, waited = limits.parameters, _waited(way, snapshot, memory)
     if _may_wait(way, snapshot, limits.service_deceleration) and waited < p.queue_patience_s:
-        nose = _nose_in_the_way(way, snapshot)  # the ego has to brake for that body anyway
+        nose = _nose_in_the_way(way, snapshot, limits)  # the ego has to brake for that body anyway
         if nose:
             return nose
     if way.post == -math.inf or not _may_wait(way, snapshot, p.planned_deceleration):
@@ -56,13 +56,14 @@ def taken_by(way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: Veh
     return _too_near(along, time, (way.passage.start, behind), snapshot.parameters.comfort_deceleration)
 
 
-def _nose_in_the_way(way: Crossing, snapshot: Snapshot) -> str:
-    """Return who waits for the ego where its body is in the ego's way (empty: nobody), since the map draws its line there:
-    he goes if the ego does not, and else both wait for each other."""
-    foes = (foe for foe in snapshot.foes if foe.passage == way.number and foe.to_stop_line >= 0.0)
-    waiting = {foe.user.id for foe in foes if foe.user.speed < QUEUED_SPEED}
-    met = (o for o in snapshot.on_path if way.passage.start < o.start < way.last and not o.user.is_halted)
-    return next((o.user.id for o in met if o.user.id in waiting), "")
+def _nose_in_the_way(way: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> str:
+    """Return who stands on another road with his body in the ego's way through the junction or out of it (empty: nobody),
+    since the map draws his line there: he goes if the ego does not, and else both wait for each other."""
+    own = way.connection.from_lane, way.connection.to_lane
+    last = way.passage.end + limits.length  # turning out of it, the body still covers what is beside its lane
+    met = (o for o in snapshot.on_path if way.passage.start < o.start < last and o.user.speed < QUEUED_SPEED)
+    waiting = (o.user for o in met if not o.user.is_halted and not o.user.lane_id.startswith(":"))
+    return next((user.id for user in waiting if user.lane_id not in own and not user.body.is_person), "")
 
 
 def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, float], braking: float) -> str:
