@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -197,9 +198,19 @@ UNITS: Mapping[str, str] = {
 """Units by the ending of a key; a longer ending comes first."""
 
 
+_CUT = re.compile(r"cut_(\w+)_per_h")
+
+
+def cut_key(name: str) -> str:
+    """Return the key of the metric that tells of the throughput of a cut through a network."""
+    return f"cut_{name}_per_h"
+
+
 def metric_of(key: str) -> Metric:
     """Return the metric of a key; one of a user's own is called by its name, which ends in its unit."""
     if key in EVERY:
         return EVERY[key]
+    if cut := _CUT.fullmatch(key):
+        return Metric(key, f"throughput of '{cut[1]}'", "1/h", "vehicles that pass the middle of its edges", 1)
     ending = next((one for one in UNITS if key.endswith(one)), "")
     return Metric(key, key, UNITS.get(ending, ""), "a metric of one's own", 3)
