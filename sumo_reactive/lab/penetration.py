@@ -11,7 +11,7 @@ from struct import Struct
 from typing import Any
 
 from sumo_reactive.driver.nouns.record import Scene
-from sumo_reactive.lab.comparison.network_effects import Outputs, network_figures
+from sumo_reactive.lab.comparison.network_effects import M_PER_KM, Outputs, network_figures
 from sumo_reactive.lab.egos import EgoRule
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.fundamental_diagram import diagram_of
@@ -76,6 +76,18 @@ def _of_egos(fleet: FleetResult) -> dict[str, float | None]:
         "egos_collisions": sum(len(one.collisions) for one in fleet.results),
         "egos_violations": sum(len(one.violations) for one in fleet.results),
         "egos_hard_braking_caused": sum(len(one.hard_brakes) for one in fleet.results),
+        **_near_misses(fleet.results),
+    }
+
+
+def _near_misses(egos: Sequence[TrialResult]) -> dict[str, float | None]:
+    """Return how many near misses the egos had; one between two egos is one of each."""
+    by_ttc, by_pet = (sum(one.figures[name] or 0 for one in egos) for name in ("near_misses_by_ttc", "near_misses_by_pet"))
+    way_km = sum(one.distance_m for one in egos) / M_PER_KM
+    return {
+        "egos_near_misses_by_ttc": by_ttc,
+        "egos_near_misses_by_pet": by_pet,
+        "egos_near_misses_per_km": round((by_ttc + by_pet) / way_km, 4) if way_km > 0.0 else None,
     }
 
 

@@ -65,7 +65,7 @@ _Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 SHARE_METRICS = (
     "egos", "network_arrived", "network_mean_time_loss_s", "network_mean_speed_m_s", "network_co2_g_per_km",
-    "egos_collisions", "egos_violations",
+    "egos_collisions", "egos_violations", "egos_near_misses_by_ttc", "egos_near_misses_by_pet", "egos_near_misses_per_km",
 )  # fmt: skip
 """What is shown of an experiment with shares of egos that names no metrics."""
 
