@@ -30,7 +30,7 @@ def diagram_section(
     trials: Sequence[StoredTrial], points: Mapping[str, Sequence[DiagramPoint]], names: Mapping[str, str]
 ) -> Iterator[Html]:
     """Yield the figures and the table of means; nothing without points, which stand by the key of their trial."""
-    found = [(name, group, runs) for name, group, runs in _groups(lines_of(trials), points, names) if runs]
+    found = list(_groups(lines_of(trials), points, names))
     if not found:
         return
     yield frame.paragraph_of(_POINTS)

@@ -85,6 +85,7 @@ def test_a_cut_may_be_named_among_the_metrics(tmp_path):
         (HEAD + "[network]\ninterval_s = 9.0\n", 3, "[egos] share = […]"),
         (SHARED + "[network]\ninterval_s = 0.0\n", 6, "key 'network.interval_s'"),
         (SHARED + '[network.groups]\nmain = ["from_north", "from_souht"]\n', 6, "'from_souht'; near it: from_south"),
+        (SHARED + "[network]\ninterval_s = inf\n", 6, "key 'network.interval_s'"),
         (SHARED + '[network.groups]\nmain = []\n', 6, "key 'network.groups.main'"),
         (SHARED + '[network.cuts]\n"a b" = ["from_west"]\n', 6, "small letters, digits and _"),
         (SHARED + '[network]\ncuts = { here = ["from_west", "from_west"] }\n', 6, "an edge is named twice"),

@@ -3,10 +3,11 @@
 from pathlib import Path
 from xml.etree.ElementTree import parse as parsed
 
+import libsumo
 import pytest
 
 from sumo_reactive.errors import SimulationError
-from sumo_reactive.sumo.config import read_config
+from sumo_reactive.sumo.config import option_words, read_config
 from sumo_reactive.sumo.edge_counts import (
     EdgeCounts,
     EdgeTime,
@@ -15,7 +16,10 @@ from sumo_reactive.sumo.edge_counts import (
     read_passages,
     vehicle_types,
 )
+from sumo_reactive.sumo.launch import sumo_arguments
 from sumo_reactive.sumo.net_file import parse
+from sumo_reactive.sumo.outputs import AS_READ
+from sumo_reactive.sumo.session import Session
 
 NETWORKS = Path(__file__).parents[2] / "networks"
 CONFIG = NETWORKS / "four_way_priority" / "four_way_priority.sumocfg"
@@ -102,3 +106,31 @@ def test_passages_are_summed_over_the_intervals(tmp_path):
 def test_a_file_that_is_not_there_is_told():
     with pytest.raises(SimulationError, match=r"nowhere\.xml: SUMO's output cannot be read"):
         read_passages(Path("nowhere.xml"))
+
+
+def counted(folder, more):
+    """What SUMO counts of one car on its way through a junction, and of what `more` makes of it."""
+    config = config_beside(folder, '<vType id="car"/><trip id="a" type="car" depart="0" from="from_west" to="to_east"/>')
+    counts = EdgeCounts(folder, 20.0, edges_for_cars(parse(config.net_file))["from_west"].lanes)
+    arguments, _ = sumo_arguments(
+        config, config.path, seed=1, step_length_s=0.1,
+        sumo_options=option_words({**AS_READ, **counts.options(config, ())}),
+    )  # fmt: skip
+    with Session(arguments) as session:
+        session.step()
+        more()
+        while session.time < 60.0:
+            session.step()
+    return list(read_edge_times(counts.times)), read_passages(counts.passages)
+
+
+def test_a_vehicle_counts_also_when_its_type_has_been_changed_and_a_type_made_on_the_way_does_not(tmp_path):
+    def as_stand_ins_are_made():
+        libsumo.vehicletype.copy("car", "reactive.ghost.type.a")
+        libsumo.route.add("way", ["from_south", "to_north"])
+        libsumo.vehicle.add("reactive.ghost.a", "way", "reactive.ghost.type.a")
+
+    alone = counted(tmp_path, lambda: None)
+    assert alone[1] == {"from_west_0": 1} and {one.edge_id for one in alone[0]} == {"from_west", "to_east"}
+    assert counted(tmp_path, lambda: libsumo.vehicle.setActionStepLength("a", 0.1)) == alone
+    assert counted(tmp_path, as_stand_ins_are_made) == alone

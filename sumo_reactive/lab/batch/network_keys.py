@@ -15,6 +15,7 @@ from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.edge_counts import edges_for_cars
 from sumo_reactive.sumo.net_file import parse
 
+LEAST_INTERVAL_S, LONGEST_INTERVAL_S = 1.0, 86400.0
 MOST_LETTERS_OF_EDGES = 40
 _CUT = re.compile(rf"[a-z][a-z0-9_]{{0,{MOST_LETTERS_OF_EDGES - 1}}}")
 """The name of a cut is a part of a metric's key."""
@@ -26,7 +27,7 @@ Label = Annotated[str, StringConstraints(min_length=1, max_length=MOST_LETTERS_O
 class NetworkKeys(TomlTable):
     """The table: edges by the name of their group or cut, each counted in those scenarios whose network has them."""
 
-    interval_s: float = Field(default=DEFAULT_INTERVAL_S, gt=0.0)
+    interval_s: float = Field(default=DEFAULT_INTERVAL_S, ge=LEAST_INTERVAL_S, le=LONGEST_INTERVAL_S)
     groups: dict[Label, Edges] = Field(default_factory=dict)
     cuts: dict[Label, Edges] = Field(default_factory=dict)
 
