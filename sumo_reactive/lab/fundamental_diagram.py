@@ -77,12 +77,9 @@ class DiagramPoint(NamedTuple):
 def diagram_of(times: Sequence[EdgeTime], groups: Mapping[str, Sequence[Road]], until: float) -> tuple[DiagramPoint, ...]:
     """Return a point a group and interval, none where nobody was on any road; the last interval ends at `until` s."""
     spans = sorted({(one.begin, min(one.end, until)) for one in times if min(one.end, until) > one.begin})
-    driven: defaultdict[tuple[float, str], tuple[float, float]] = defaultdict(lambda: (0.0, 0.0))
-    for one in times:
-        time, way = driven[one.begin, one.edge_id]
-        driven[one.begin, one.edge_id] = time + one.time, way + one.time * one.speed
+    driven = {(one.begin, one.edge_id): (one.time, one.time * one.speed) for one in times}
     return tuple(
-        _point(name, span, [driven[span[0], road.edge_id] for road in roads], _lane_length(roads))
+        _point(name, span, [driven.get((span[0], road.edge_id), (0.0, 0.0)) for road in roads], _lane_length(roads))
         for name, roads in groups.items()
         for span in spans
     )

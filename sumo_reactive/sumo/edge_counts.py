@@ -24,6 +24,9 @@ from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 
 _ADDITIONAL = "additional-files"
 _EDGES, _LOOP = "reactive.edges", "reactive.cut."
+_MOST_LETTERS = 100
+"""A class of road is told by so many letters of its name."""
+
 _TYPE = re.compile(rb"<vType\s[^>]*?\bid\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 _BUILT_IN = tuple(f"DEFAULT_{kind}TYPE" for kind in ("VEH", "TAXI", "BIKE", "RAIL", "CONTAINER", "PED"))
 """Types that SUMO has without a file."""
@@ -60,7 +63,7 @@ def edges_for_cars(net: RawNet) -> dict[str, Road]:
         lanes = _lanes(net, edge) if edge.get("function", "normal") == "normal" else {}
         if lanes:
             road_class = edge.get("type") or f"priority {edge.get('priority', '-1')}"
-            roads[edge_id] = Road(edge_id, road_class, lanes)
+            roads[edge_id] = Road(edge_id, road_class[:_MOST_LETTERS], lanes)
     return roads
 
 
