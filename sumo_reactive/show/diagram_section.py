@@ -86,7 +86,7 @@ def _rows(name: str, group: str, runs: Sequence[RunPoints]) -> Iterator[tuple[st
         for values in zip(*wholes, strict=True):
             known = [value for value in values if value is not None]
             cells += [frame.number(sum(known) / len(known)) if known else "none", frame.limits(interval_of(known))]
-        yield name, group, f"{_PERCENT * share:g} %", str(len(wholes)), *cells
+        yield name, group, f"{_PERCENT * share:g}\u00a0%", str(len(wholes)), *cells
 
 
 def whole_of(points: Sequence[DiagramPoint]) -> tuple[float, float, float | None]:
