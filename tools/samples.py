@@ -43,6 +43,22 @@ ego = "ego"
 duration_s = { max = 30 }
 """
 
+FEW_SHARES = """[experiment]
+scenarios = ["../scenarios/right_before_left.toml"]
+seeds = [1, 2, 3]
+until_s = 120.0
+store = "../runs/few_shares.duckdb"
+
+[egos]
+share = [0.0, 1.0]
+"""
+
+DIAGRAM_BY_SHARE = """
+SELECT parameters->>'share' AS share, edges, begin_s, round(avg(flow_per_h), 1) AS flow_per_h,
+round(avg(density_per_km), 2) AS density_per_km, round(sum(flow_per_h) / sum(density_per_km) / 3.6, 2) AS speed_m_s
+FROM diagram JOIN trials USING (key) GROUP BY ALL ORDER BY ALL
+"""
+
 SHORT_RUN = ("--scenario", str(ROOT / "scenarios" / "multi_lane_road.toml"), "--scale", "3", "--repeats", "3")
 """About 60 vehicles; the cases with more take minutes."""
 
@@ -206,6 +222,14 @@ def batch() -> str:
     return fenced(*(line for line in said_by(*words) if line.strip()))
 
 
+def diagram() -> str:
+    """Points of the fundamental diagram as the store of a batch with shares of egos has them, means over its seeds."""
+    Path("experiments", "few_shares.toml").write_text(FEW_SHARES, encoding="utf-8")
+    said_by("batch", "experiments/few_shares.toml", "--workers", "1")
+    said = said_by("results", "runs/few_shares.duckdb", "--sql", DIAGRAM_BY_SHARE)
+    return fenced(*(line for line in said if line.strip()))
+
+
 def profiles() -> str:
     """The table of both profiles."""
     return table({name: tuple(drive_once(name, profile) for profile in PROFILES) for name in known_names()})
@@ -247,7 +271,7 @@ def timings(machine: str) -> str:
 
 SAMPLES: dict[str, Callable[[], str]] = {
     "run": run, "explain": explain, "fleet": fleet, "check": check, "metrics": metrics, "compare": compare, "batch": batch,
-    "profiles": profiles,
+    "diagram": diagram, "profiles": profiles,
 }  # fmt: skip
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ MOST_ROWS = 10_000
 def results(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="the store (.duckdb) that batch has written")],
     metric: Annotated[list[str] | None, typer.Option(help="show this metric; else those of the experiment")] = None,
-    sql: Annotated[str | None, typer.Option(help="a query over trials, metrics, events, plan, departures")] = None,
+    sql: Annotated[str | None, typer.Option(help="a query over trials, metrics, events, diagram, plan, departures")] = None,
     csv: Annotated[Path | None, typer.Option(metavar="F", help="write a row a trial, or the query, as CSV")] = None,
     parquet: Annotated[Path | None, typer.Option(metavar="F", help="the same as Parquet")] = None,
 ) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -83,9 +84,16 @@ METRICS: Mapping[str, Metric] = _by_key(
         "min_time_to_collision_at_s", "time of the smallest time to collision", "s", "simulation time at which that was", 1,
         is_shown=False,
     ),
+    _model(
+        "near_misses_by_ttc", "near misses by time to collision", "",
+        "users with whom it was below 1.5 s while the ego moved, but for oncoming ones", None,
+    ),
     Metric(
         "min_post_encroachment_s", "smallest post-encroachment time", "s",
         "from when one leaves a place to when the other enters it; below 10 s",
+    ),
+    _model(
+        "near_misses_by_pet", "near misses by post-encroachment time", "", "users with whom it was below 1.5 s", None,
     ),
     _model(
         "min_modified_ttc_s", "smallest modified time to collision", "s",
@@ -160,6 +168,9 @@ NETWORK: Mapping[str, Metric] = _by_key(
     Metric("egos_collisions", "egos' collisions", "", "contacts of an ego's box with another", None, "ego's collision"),
     Metric("egos_violations", "egos' violations", "", "red lights run and rights of way taken", None, "ego's violation"),
     Metric("egos_hard_braking_caused", "egos' hard brakings caused", "", "by all egos, of vehicles behind them", None),
+    Metric("egos_near_misses_by_ttc", "egos' near misses by TTC", "", "by all egos: time to collision below 1.5 s", None),
+    Metric("egos_near_misses_by_pet", "egos' near misses by PET", "", "by all egos: post-encroachment below 1.5 s", None),
+    Metric("egos_near_misses_per_km", "egos' near misses per km", "1/km", "of both kinds, by the way that all egos drove"),
     Metric("network_vehicles", "vehicles", "", "that have departed by the end of the run, egos included", None),
     Metric("network_arrived", "vehicles arrived", "", "by the end of the run", None),
     Metric("network_arrivals_per_h", "arrivals", "1/h", "throughput of the network, over the whole run", 1),
@@ -176,6 +187,13 @@ NETWORK: Mapping[str, Metric] = _by_key(
 )
 """What a run with a share of egos says of them all, and of all vehicles together."""
 
+DIAGRAM: Mapping[str, Metric] = _by_key(
+    Metric("flow_per_h", "flow", "veh/h per lane", "way driven by time watched and length of the lanes", 1),
+    Metric("density_per_km", "density", "veh/km per lane", "time spent by time watched and length of the lanes", 1),
+    Metric("speed_m_s", "space-mean speed", "m/s", "way driven by time spent"),
+)
+"""What the fundamental diagram tells of a group of edges in an interval."""
+
 IN_BATCHES: Mapping[str, Metric] = {**METRICS, **NETWORK}
 """What a trial of a batch may have."""
 
@@ -191,15 +209,26 @@ EVERY: Mapping[str, Metric] = {**METRICS, **BASELINE, **OTHERS, **NETWORK, **TIM
 """All of them by key."""
 
 UNITS: Mapping[str, str] = {
-    "_g_per_km": "g/km", "_per_h": "1/h", "_m_s2": "m/s²", "_m_s3": "m/s³", "_m_s": "m/s", "_rad_s2": "rad/s²",
-    "_rad_s": "rad/s", "_rad": "rad", "_s2": "s²", "_us": "µs", "_km": "km", "_kg": "kg", "_s": "s", "_m": "m", "_g": "g",
+    "_g_per_km": "g/km", "_per_km": "1/km", "_per_h": "1/h", "_m_s2": "m/s²", "_m_s3": "m/s³", "_m_s": "m/s",
+    "_rad_s2": "rad/s²", "_rad_s": "rad/s", "_rad": "rad", "_s2": "s²",
+    "_us": "µs", "_km": "km", "_kg": "kg", "_s": "s", "_m": "m", "_g": "g",
 }  # fmt: skip
 """Units by the ending of a key; a longer ending comes first."""
+
+
+_CUT = re.compile(r"cut_(\w+)_per_h")
+
+
+def cut_key(name: str) -> str:
+    """Return the key of the metric that tells of the throughput of a cut through a network."""
+    return f"cut_{name}_per_h"
 
 
 def metric_of(key: str) -> Metric:
     """Return the metric of a key; one of a user's own is called by its name, which ends in its unit."""
     if key in EVERY:
         return EVERY[key]
+    if cut := _CUT.fullmatch(key):
+        return Metric(key, f"throughput of '{cut[1]}'", "1/h", "vehicles that pass the middle of its edges", 1)
     ending = next((one for one in UNITS if key.endswith(one)), "")
     return Metric(key, key, UNITS.get(ending, ""), "a metric of one's own", 3)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from struct import Struct
 from typing import Any
 
 from sumo_reactive.driver.nouns.record import Scene
-from sumo_reactive.lab.comparison.network_effects import Outputs, network_figures
+from sumo_reactive.lab.comparison.network_effects import M_PER_KM, Outputs, network_figures
 from sumo_reactive.lab.egos import EgoRule
 from sumo_reactive.lab.fault import Fault
+from sumo_reactive.lab.fundamental_diagram import diagram_of
 from sumo_reactive.lab.result import FleetResult, NetworkResult, TrialResult
 from sumo_reactive.lab.simulation import run_fleet
 from sumo_reactive.lab.task import Task
-from sumo_reactive.sumo.config import option_words, read_config
+from sumo_reactive.sumo.config import given_options, option_words, read_config
+from sumo_reactive.sumo.edge_counts import EdgeCounts, Road, edges_for_cars, read_edge_times, read_passages
+from sumo_reactive.sumo.net_file import parse
 
 _PLACE = Struct("5d")
 
@@ -35,16 +38,27 @@ def run_share(task: Task) -> dict[str, Any]:
         digest.update(scene.ego.encode() + _PLACE.pack(step.time, step.x, step.y, step.heading, step.speed))
 
     with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
-        outputs = Outputs(Path(folder))
+        outputs, roads, given = Outputs(Path(folder)), edges_for_cars(parse(config.net_file)), scenario.sumo_options
+        counts = EdgeCounts(Path(folder), task.counted.interval_s, task.counted.lanes_of_cuts(roads))
+        options = given_options(given) | outputs.options(config) | counts.options(config, given)
         ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
         asked = replace(
             scenario, ego=None, until_s=min(ends, default=None), until_end=True,
-            sumo_options=(*scenario.sumo_options, *option_words(outputs.options(config))),
+            sumo_options=tuple(option_words(options)),
         )  # fmt: skip
         fleet = run_fleet(asked, EgoRule(probability=share), observer=see, may_be_nobody=True)
-        figures = _of_egos(fleet) | network_figures(outputs, fleet.until - config.begin_s)
-    network = NetworkResult(share=share, metrics=figures, faults=_faults(fleet.results), departure_s=config.begin_s)
+        duration = fleet.until - config.begin_s
+        figures = _of_egos(fleet) | network_figures(outputs, duration) | _of_cuts(task, counts, roads, duration)
+        diagram = diagram_of(list(read_edge_times(counts.times)), task.counted.groups_in(roads), fleet.until)
+    network = NetworkResult(
+        share=share, metrics=figures, faults=_faults(fleet.results), departure_s=config.begin_s, diagram=diagram
+    )
     return {"network": network, "trajectory": digest.hexdigest()}
+
+
+def _of_cuts(task: Task, counts: EdgeCounts, roads: Mapping[str, Road], duration: float) -> dict[str, float | None]:
+    passed = read_passages(counts.passages) if task.counted.cuts else {}
+    return task.counted.throughput(passed, roads, duration)
 
 
 def _of_egos(fleet: FleetResult) -> dict[str, float | None]:
@@ -62,6 +76,18 @@ def _of_egos(fleet: FleetResult) -> dict[str, float | None]:
         "egos_collisions": sum(len(one.collisions) for one in fleet.results),
         "egos_violations": sum(len(one.violations) for one in fleet.results),
         "egos_hard_braking_caused": sum(len(one.hard_brakes) for one in fleet.results),
+        **_near_misses(fleet.results),
+    }
+
+
+def _near_misses(egos: Sequence[TrialResult]) -> dict[str, float | None]:
+    """Return how many near misses the egos had; one between two egos is one of each."""
+    by_ttc, by_pet = (sum(one.figures[name] or 0 for one in egos) for name in ("near_misses_by_ttc", "near_misses_by_pet"))
+    way_km = sum(one.distance_m for one in egos) / M_PER_KM
+    return {
+        "egos_near_misses_by_ttc": by_ttc,
+        "egos_near_misses_by_pet": by_pet,
+        "egos_near_misses_per_km": round((by_ttc + by_pet) / way_km, 4) if way_km > 0.0 else None,
     }
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault, MetricFailure
+from sumo_reactive.lab.fundamental_diagram import DiagramPoint
 from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, metric_of
 
 if TYPE_CHECKING:
@@ -148,13 +149,14 @@ class FleetResult:
 @dataclass(frozen=True, kw_only=True)
 class NetworkResult:
     """What a run with a `share` of egos came to: `metrics` of the egos and of the whole network, what became of each ego
-    that had a fault; simulation time at the begin (s)."""
+    that had a fault; simulation time at the begin (s); the fundamental `diagram`, a point a group of edges and interval."""
 
     share: float
     metrics: Mapping[str, float | None]
     faults: tuple[Fault, ...]
     departure_s: float
     ego: str = ""
+    diagram: tuple[DiagramPoint, ...] = ()
 
     @property
     def verdict(self) -> str:

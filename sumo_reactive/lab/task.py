@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
+from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
 from sumo_reactive.lab.result import NetworkResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.trace import Entry
@@ -18,10 +19,12 @@ SHARE = "share"
 
 @dataclass(frozen=True)
 class Task:
-    """One trial: a scenario with one ego, or with a `share` of all road cars as egos, drawn by id and seed."""
+    """One trial: a scenario with one ego, or with a `share` of all road cars as egos, drawn by id and seed, and with what is
+    `counted` of the network."""
 
     scenario: Scenario
     share: float | None = None
+    counted: CountedEdges = EVERY_CLASS
 
 
 class Ending(Enum):

@@ -12,6 +12,7 @@ from sumo_reactive.lab.comparison.statistics import FEW, paired_difference
 from sumo_reactive.show import page as frame
 from sumo_reactive.show.batch_figures import distribution_figure, scatter_figure
 from sumo_reactive.show.batch_trials import StoredTrial, TripPair, Worst, happenings, pairs_of, trials_in, worst_of
+from sumo_reactive.show.diagram_section import diagram_section
 from sumo_reactive.show.faults import decision_table
 from sumo_reactive.show.page import Html, Section
 from sumo_reactive.show.share_section import share_section
@@ -40,6 +41,7 @@ def batch_page(store: Path) -> str:
         sections = (
             Section("means", "Means", list(_means(results, metrics, names))),
             Section("shares", "By the share of egos", list(share_section(trials, metrics, names))),
+            Section("diagram", "Fundamental diagram", list(diagram_section(trials, results.diagram(), names))),
             Section("differences", "Against SUMO's own driver", list(differences_table(pairs, metrics, names))),
             Section("distributions", "Distributions", list(_distributions(trials, metrics, names))),
             Section("pairs", "Trip by trip", list(_scatters(pairs, metrics, names))),

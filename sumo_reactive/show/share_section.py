@@ -28,7 +28,7 @@ Line = tuple[str, str]
 
 def share_section(trials: Sequence[StoredTrial], metrics: Sequence[str], names: Mapping[str, str]) -> Iterator[Html]:
     """Yield a figure a metric and the table of differences; nothing without trials of several shares."""
-    lines = _lines(trials)
+    lines = lines_of(trials)
     if all(len({trial.share for trial in inside}) < 2 for inside in lines.values()):
         return
     yield frame.paragraph_of(_FIGURES)
@@ -42,7 +42,7 @@ def share_section(trials: Sequence[StoredTrial], metrics: Sequence[str], names: 
         yield frame.table(head, rows, is_long=True)
 
 
-def _lines(trials: Sequence[StoredTrial]) -> dict[Line, list[StoredTrial]]:
+def lines_of(trials: Sequence[StoredTrial]) -> dict[Line, list[StoredTrial]]:
     """Return the trials that have a share by what else they differ in, but for the seed."""
     lines: dict[Line, list[StoredTrial]] = {}
     for trial in trials:

@@ -60,7 +60,7 @@ def silenced(options: Mapping[str, str]) -> dict[str, str]:
 
 def read_trips(path: Path) -> Iterator[TripInfo]:
     """Yield the trips of a `tripinfo-output`, in the order in which they ended."""
-    yield from map(_trip, _elements(path, _TRIP, ("id", *_NUMBERS, "vaporized"), emissions=_POLLUTANTS))
+    yield from map(_trip, elements_of(path, _TRIP, ("id", *_NUMBERS, "vaporized"), emissions=_POLLUTANTS))
 
 
 def trip_of(path: Path, vehicle_id: str) -> TripInfo | None:
@@ -70,13 +70,13 @@ def trip_of(path: Path, vehicle_id: str) -> TripInfo | None:
 
 def read_contacts(path: Path) -> Iterator[Contact]:
     """Yield the collisions of a `collision-output`, in order of time."""
-    for contact in _elements(path, "collision", Contact._fields):
+    for contact in elements_of(path, "collision", Contact._fields):
         yield Contact(float(contact.time or "nan"), contact.collider or "", contact.victim or "")
 
 
 def read_teleports(path: Path) -> int:
     """Return the number of teleports that a `statistic-output` counts."""
-    return sum(int(teleports.total or "0") for teleports in _elements(path, "teleports", ("total",)))
+    return sum(int(teleports.total or "0") for teleports in elements_of(path, "teleports", ("total",)))
 
 
 def _trip(read: Any) -> TripInfo:
@@ -87,8 +87,11 @@ def _trip(read: Any) -> TripInfo:
     return TripInfo(read.id or "", *figures, bool(read.vaporized), *pollutants)
 
 
-def _elements(path: Path, tag: str, attributes: Sequence[str], **children: Sequence[str]) -> Iterator[Any]:
-    """Yield the elements of a kind with these attributes, None where one is missing, and those of their children."""
+def elements_of(path: Path, tag: str, attributes: Sequence[str], **children: Sequence[str]) -> Iterator[Any]:
+    """Yield the elements of a kind with these attributes, None where one is missing, and those of their children.
+
+    Raises SimulationError for a file that cannot be read.
+    """
     try:
         with path.open("rb") as file:
             yield from parse(file, tag, {tag: attributes} | children, heterogeneous=False)

@@ -10,6 +10,7 @@ from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
 from sumo_reactive.lab.fault import COLLISION, Fault
+from sumo_reactive.lab.fundamental_diagram import DiagramPoint
 from sumo_reactive.lab.result import NetworkResult
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Ending, Outcome, Task
@@ -69,7 +70,13 @@ def made_share_store(path, seeds=4):
                 "egos": 100.0 * share, "network_mean_time_loss_s": 20.0 - 5.0 * share + 0.1 * seed,
                 "network_vehicles": 100, "egos_collisions": 0, "egos_violations": 0,
             }  # fmt: skip
-            kept.append((one, NetworkResult(share=share, metrics=metrics, faults=(), departure_s=0.0)))
+            points = tuple(
+                DiagramPoint("main <road>", begin, begin + 60.0, 36.0 * (10.0 + seed) * (1.0 + share), 10.0 + seed,
+                             round(10.0 * (1.0 + share), 4))
+                for begin in (0.0, 60.0)
+            )  # fmt: skip
+            came = NetworkResult(share=share, metrics=metrics, faults=(), departure_s=0.0, diagram=points)
+            kept.append((one, came))
     with Store(path) as store:
         store.plan([one for one, _ in kept], ["egos", "network_mean_time_loss_s"])
         for one, network in kept:

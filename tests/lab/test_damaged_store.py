@@ -76,6 +76,10 @@ EDITS = {
     "a figure that overflows": ("UPDATE metrics SET value = 1e308", "'metrics' has a row"),
     "no place in the plan": ("UPDATE plan SET number = NULL", "'plan' has a row"),
     "a figure that nobody knows": ("UPDATE shown SET name = 'x\"); DROP TABLE plan; --'", "'shown' has a row"),
+    "a group of edges without a name": ("INSERT INTO diagram VALUES ('a', '', 0, 1, 1, 1, 1)", "'diagram' has a row"),
+    "a flow that is none": ("INSERT INTO diagram VALUES ('a', 'b', 0, 1, 'nan', 1, 1)", "'diagram' has a row"),
+    "a density without a value": ("INSERT INTO diagram VALUES ('a', 'b', 0, 1, 1, NULL, 1)", "'diagram' has a row"),
+    "a speed that overflows": ("INSERT INTO diagram VALUES ('a', 'b', 0, 1, 1, 1, 1e308)", "'diagram' has a row"),
     "a trip without a length": ("INSERT INTO departures VALUES ('a', 'b', 1.0, NULL)", "'departures' has a row"),
 }  # fmt: skip
 

@@ -13,6 +13,8 @@ from sumo_reactive.lab.scenario import load_scenario_file
 ROOT = Path(__file__).parents[2]
 FOUR_WAY = f"{ROOT}/scenarios/four_way_priority.toml"
 HEAD = f'[experiment]\nscenarios = ["{FOUR_WAY}"]\n'
+SHARED = HEAD + "[egos]\nshare = [0.5]\n"
+CITY = f"{ROOT}/scenarios/city_grid.toml"
 
 
 def written(folder, text):
@@ -47,6 +49,28 @@ def test_shares_have_metrics_of_their_own(tmp_path):
     assert set(SHARE_METRICS) <= set(NETWORK)
 
 
+def test_a_group_and_a_cut_are_of_the_networks_that_have_their_roads(tmp_path):
+    head = f'[experiment]\nscenarios = ["{FOUR_WAY}", "{CITY}"]\n[egos]\nshare = [0.5]\n'
+    file = head + '[network]\ninterval_s = 30\ngroups = { main = ["A1B1", "B1C1"] }\ncuts = { west = ["from_west"] }\n'
+    experiment = load_experiment(written(tmp_path, file))
+    four_way, city = (choice.counted for choice in experiment.choices)
+    assert (four_way.groups, four_way.cuts) == ((), (("west", ("from_west",)),))
+    assert (city.groups, city.cuts) == ((("main", ("A1B1", "B1C1")),), ())
+    assert four_way.interval_s == city.interval_s == 30.0
+    assert experiment.keys.metrics[-1] == "cut_west_per_h"
+
+
+def test_a_network_that_has_a_part_of_a_group_is_told(tmp_path):
+    text = f'[experiment]\nscenarios = ["{FOUR_WAY}", "{CITY}"]\n[egos]\nshare = [0.5]\n'
+    with pytest.raises(ScenarioError, match=r":6: .*has a part of these roads only, not 'A1B1'"):
+        load_experiment(written(tmp_path, text + '[network.cuts]\nboth = ["from_west", "A1B1"]\n'))
+
+
+def test_a_cut_may_be_named_among_the_metrics(tmp_path):
+    text = HEAD + 'metrics = ["cut_west_per_h"]\n[egos]\nshare = [0.5]\n[network]\ncuts = { west = ["from_west"] }\n'
+    assert load_experiment(written(tmp_path, text)).keys.metrics == ["cut_west_per_h"]
+
+
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
@@ -58,6 +82,13 @@ def test_shares_have_metrics_of_their_own(tmp_path):
         (HEAD + "[egos]\nshare = [0.1]\ndrawn = 3\n", 4, "there are 'drawn' already"),
         (HEAD + 'metrics = ["duration_s"]\n[egos]\nshare = [0.1]\n', 3, "'duration_s' is a metric of a trip"),
         (HEAD + 'metrics = ["network_arrived"]\n', 3, "'network_arrived' is a metric of a network"),
+        (HEAD + "[network]\ninterval_s = 9.0\n", 3, "[egos] share = […]"),
+        (SHARED + "[network]\ninterval_s = 0.0\n", 6, "key 'network.interval_s'"),
+        (SHARED + '[network.groups]\nmain = ["from_north", "from_souht"]\n', 6, "'from_souht'; near it: from_south"),
+        (SHARED + "[network]\ninterval_s = inf\n", 6, "key 'network.interval_s'"),
+        (SHARED + '[network.groups]\nmain = []\n', 6, "key 'network.groups.main'"),
+        (SHARED + '[network.cuts]\n"a b" = ["from_west"]\n', 6, "small letters, digits and _"),
+        (SHARED + '[network]\ncuts = { here = ["from_west", "from_west"] }\n', 6, "an edge is named twice"),
         ("[experiment]\nscenarios = []\n", 2, "key 'experiment.scenarios'"),
         (HEAD + "seedz = [1]\n", 3, "unknown key 'experiment.seedz'; near it: seeds"),
         (HEAD + "seeds = [1, 2, 1]\n", 3, "named twice"),

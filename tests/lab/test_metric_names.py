@@ -20,7 +20,7 @@ from sumo_reactive.lab.result import rows_of
 PACKAGE = Path(sumo_reactive.__file__).parent
 HOME = Path(metric_names.__file__)
 UNIT_OF_ENDING = {
-    "_g_per_km": "g/km", "_per_h": "1/h", "_m_s2": "m/s²", "_m_s3": "m/s³", "_m_s": "m/s",
+    "_g_per_km": "g/km", "_per_km": "1/km", "_per_h": "1/h", "_m_s2": "m/s²", "_m_s3": "m/s³", "_m_s": "m/s",
     "_rad_s2": "rad/s²", "_rad_s": "rad/s", "_s2": "s²", "_us": "µs", "_km": "km", "_kg": "kg", "_nox_g": "g", "_s": "s",
     "_m": "m",
 }  # fmt: skip

@@ -79,6 +79,35 @@ def test_post_encroachment_is_the_time_between_leaving_and_entering(jury):
     assert jury.figures()["min_post_encroachment_s"] == pytest.approx(3.82 - 1.59, abs=0.2)
 
 
+@pytest.mark.parametrize(("late", "near"), [(0.0, 0), (1.0, 1)])
+def test_who_leaves_a_place_less_than_one_and_a_half_seconds_before_is_a_near_miss(jury, late, near):
+    others = lambda t: [user(x=20.0, y=-10.0 + 10.0 * (t - late), heading=math.pi / 2, speed=10.0)]  # noqa: E731
+    drive(jury, lambda t: record(t, x=5.0 * t, speed=5.0), others, 80)
+    assert jury.figures()["near_misses_by_pet"] == near
+
+
+def test_each_user_is_a_near_miss_once_however_often_it_comes_near(jury):
+    def others(t):
+        gap = 12.0 if 1.0 < t < 2.0 else 30.0
+        return [user("a", x=10.0 * t + gap + 5.0, speed=0.0), user("b", x=10.0 * t + 60.0, speed=0.0)]
+
+    drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), others, 30)
+    drive(jury, lambda t: record(4.0 + t, x=10.0 * t, speed=10.0), others, 30)
+    assert jury.figures()["near_misses_by_ttc"] == 1
+
+
+@pytest.mark.parametrize(("heading", "near"), [(0.0, 1), (math.pi, 0)])
+def test_who_is_oncoming_is_no_near_miss(jury, heading, near):
+    drive(jury, lambda t: record(t, speed=10.0), lambda t: [user(x=15.0, heading=heading, speed=0.0)], 3)
+    assert jury.figures()["near_misses_by_ttc"] == near
+
+
+def test_who_turns_past_a_waiting_ego_is_no_near_miss(jury):
+    drive(jury, lambda t: record(t, speed=0.0), lambda t: [user(x=3.4, y=3.7, heading=math.radians(-127.0), speed=6.4)], 3)
+    figures = jury.figures()
+    assert figures["min_time_to_collision_s"] < 1.5 and figures["near_misses_by_ttc"] == 0
+
+
 def test_following_in_a_lane_is_no_encroachment(jury):
     others = lambda t: [user(x=15.0 + 10.0 * t, speed=10.0)]  # noqa: E731
     drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), others, 50)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
 from sumo_reactive.lab.metric_names import NETWORK
 from sumo_reactive.lab.penetration import run_share
 from sumo_reactive.lab.scenario import load_scenario
@@ -14,10 +15,10 @@ SCENARIO = Path(__file__).parents[2] / "scenarios" / "right_before_left.toml"
 UNTIL_S = 40.0
 
 
-def shared(share, seed=3, **others):
+def shared(share, seed=3, counted=EVERY_CLASS, **others):
     """What a run with a share of egos comes to."""
     scenario = replace(load_scenario(SCENARIO), seed=seed, until_s=UNTIL_S, **others)
-    return run_share(Task(scenario, share))
+    return run_share(Task(scenario, share, counted))
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +56,26 @@ def test_arrivals_are_those_of_sumo_and_of_the_egos(runs):
     assert metrics["egos_arrived"] == metrics["network_arrived"] > 0
     assert metrics["network_arrivals_per_h"] == pytest.approx(3600.0 * metrics["network_arrived"] / UNTIL_S, rel=1e-3)
     assert "egos among" in runs[1.0]["network"].verdict
+
+
+def test_the_diagram_tells_of_each_interval_and_the_last_one_ends_with_the_run():
+    points = shared(1.0, counted=CountedEdges(30.0))["network"].diagram
+    assert [(one.edges, one.begin_s, one.end_s) for one in points] == [("street", 0.0, 30.0), ("street", 30.0, UNTIL_S)]
+    for one in points:
+        assert one.flow_per_h == pytest.approx(3.6 * one.density_per_km * one.speed_m_s, rel=1e-3) and one.flow_per_h > 10.0
+
+
+def test_a_cut_counts_egos_and_others_alike_and_counting_changes_no_run(runs):
+    into = CountedEdges(cuts=(("into", ("from_north", "from_east", "from_south", "from_west")), ("out", ("to_north",))))
+    for share in (0.0, 1.0):
+        run = shared(share, counted=into)
+        assert run["trajectory"] == runs[share]["trajectory"]
+        metrics = run["network"].metrics
+        assert list(metrics)[-2:] == ["cut_into_per_h", "cut_out_per_h"]
+        passed = metrics["cut_into_per_h"] * UNTIL_S / 3600.0
+        assert passed == pytest.approx(round(passed)) and metrics["network_arrived"] <= passed <= metrics["network_vehicles"]
+
+
+def test_an_option_of_the_experiment_goes_beside_those_that_count():
+    more = shared(0.0, sumo_options=("--scale", "2"))["network"].metrics["network_vehicles"]
+    assert more > shared(0.0)["network"].metrics["network_vehicles"]

@@ -11,6 +11,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.batch.trials import Departure, _digest_of_files, drawn_egos, key_of, scout, trials_of
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
+from sumo_reactive.lab.fundamental_diagram import CountedEdges
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Task
 
@@ -83,6 +84,7 @@ def test_whatever_is_asked_for_is_part_of_the_key():
         Task(scenario), Task(replace(scenario, driver=SUMO)),
         Task(replace(scenario, parameters=Parameters(stuck_s=1.0))),
         Task(replace(scenario, seed=1)), Task(replace(scenario, ego="other")), Task(replace(scenario, step_length_s=0.2)),
+        Task(scenario, 0.5), Task(scenario, 0.5, CountedEdges(30.0)),
         Task(replace(scenario, until_s=1.0)), Task(replace(scenario, sumo_options=("--scale", "2"))),
     ]  # fmt: skip
     assert len({key_of(task) for task in asked}) == len(asked)

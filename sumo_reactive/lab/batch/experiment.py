@@ -12,8 +12,10 @@ from pydantic import Field, field_validator
 from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.errors import ReactiveError, ScenarioError
+from sumo_reactive.lab.batch.network_keys import NetworkKeys, counted_of
 from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME, DriverChoice, DriverOption, chosen_driver
-from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS, NETWORK
+from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
+from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS, NETWORK, cut_key
 from sumo_reactive.lab.own_metrics import merged
 from sumo_reactive.lab.scenario import (
     DriverName,
@@ -63,7 +65,7 @@ _Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 SHARE_METRICS = (
     "egos", "network_arrived", "network_mean_time_loss_s", "network_mean_speed_m_s", "network_co2_g_per_km",
-    "egos_collisions", "egos_violations",
+    "egos_collisions", "egos_violations", "egos_near_misses_by_ttc", "egos_near_misses_by_pet", "egos_near_misses_per_km",
 )  # fmt: skip
 """What is shown of an experiment with shares of egos that names no metrics."""
 
@@ -105,6 +107,7 @@ class ExperimentFile(TomlTable):
     samples: SampleKeys | None = None
     options: dict[str, Word | list[Word]] = Field(default_factory=dict)
     driver_options: dict[str, dict[str, DriverOption]] = Field(default_factory=dict)
+    network: NetworkKeys = Field(default_factory=NetworkKeys)
 
     @field_validator("parameters")
     @classmethod
@@ -140,12 +143,14 @@ STORE_SUFFIX = ".duckdb"
 
 
 class Choice(NamedTuple):
-    """A scenario of an experiment: as the file names it, as loaded, the egos named for it (empty: none), its seeds."""
+    """A scenario of an experiment: as the file names it, as loaded, the egos named for it (empty: none), its seeds, what is
+    counted of its network in a run with a share of egos."""
 
     name: str
     scenario: Scenario
     egos: tuple[str, ...]
     seeds: tuple[int, ...]
+    counted: CountedEdges = EVERY_CLASS
 
 
 @dataclass(frozen=True)
@@ -173,9 +178,12 @@ def load_experiment(path: Path) -> Experiment:
     keys = file.experiment
     _check_egos(path, file)
     if file.egos.share is not None and "metrics" not in keys.model_fields_set:
-        keys = keys.model_copy(update={"metrics": list(SHARE_METRICS)})
+        keys = keys.model_copy(update={"metrics": [*SHARE_METRICS, *map(cut_key, file.network.cuts)]})
     choices = tuple(_choice(path, file, k, name) for k, name in enumerate(keys.scenarios))
-    keys, choices = _with_own(path, keys, choices, file.egos.share is not None)
+    if file.egos.share is not None:
+        counted = counted_of(path, file.network, {one.name: one.scenario.config for one in choices})
+        choices = tuple(one._replace(counted=counted[one.name]) for one in choices)
+    keys, choices = _with_own(path, keys, choices, file)
     store = Path(os.path.normpath(path.parent / keys.store)) if keys.store else path.with_suffix(STORE_SUFFIX)
     grid = {name: value if isinstance(value, list) else [value] for name, value in file.parameters.items()}
     options = {name: value if isinstance(value, list) else [value] for name, value in file.options.items()}
@@ -217,6 +225,8 @@ def _check_share(path: Path, file: ExperimentFile) -> None:
             what = "a trip, and there is none with a 'share'" if egos.share else "a network, which takes [egos] share = […]"
             raise problem_in(path, ("experiment", "metrics", k), f"'{name}' is a metric of {what}")
     if egos.share is None:
+        if "network" in file.model_fields_set:
+            raise problem_in(path, ("network",), "counts all vehicles of a run with a share of egos: [egos] share = […]")
         return
     for name in ("names", "drawn"):
         if getattr(egos, name) is not None:
@@ -241,15 +251,15 @@ def _choice(path: Path, file: ExperimentFile, k: int, name: str) -> Choice:
 
 
 def _with_own(
-    path: Path, keys: ExperimentKeys, choices: tuple[Choice, ...], is_share: bool
+    path: Path, keys: ExperimentKeys, choices: tuple[Choice, ...], file: ExperimentFile
 ) -> tuple[ExperimentKeys, tuple[Choice, ...]]:
     """Return the metrics to show by their keys, and scenarios that measure the user's own among them as well."""
-    place = ("experiment", "metrics")
-    theirs = {source.name for choice in choices for source in choice.scenario.metrics}
+    place, cuts = ("experiment", "metrics"), set(map(cut_key, file.network.cuts))
+    theirs = {source.name for choice in choices for source in choice.scenario.metrics} | cuts
     asked = {k: name for k, name in enumerate(keys.metrics) if name not in IN_BATCHES and name not in theirs}
     own = own_metrics_of(path, place, asked)
     names = dict(enumerate(keys.metrics)) | dict(zip(asked, (source.name for source in own), strict=True))
-    if is_share and not set(names.values()) <= set(NETWORK):
+    if file.egos.share is not None and not set(names.values()) <= {*NETWORK, *cuts}:
         raise problem_in(path, place, "a metric of one's own is of a trip, and there is none with a 'share'")
     try:
         measured = [replace(one.scenario, metrics=merged(one.scenario.metrics, own)) for one in choices]

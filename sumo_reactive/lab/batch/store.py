@@ -52,6 +52,9 @@ class Store(StoreFile):
             if columns:
                 unnested = ", ".join("unnest(?)" for _ in columns)
                 database.execute(f"INSERT INTO events SELECT ?, {unnested}", [trial.key, *columns])
+            for point in outcome.network.diagram if outcome.network else ():
+                marks = ", ".join("?" for _ in point)
+                database.execute(f"INSERT INTO diagram VALUES (?, {marks})", [trial.key, *point])
 
     def without_result(self) -> list[tuple[str, str, str]]:
         """Return key, reason and replay command of the planned trials that came to no result, in their order."""

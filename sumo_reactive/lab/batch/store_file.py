@@ -18,7 +18,7 @@ from sumo_reactive.lab.tables import opened, require_regular
 from sumo_reactive.lab.task import Ending, Outcome
 from sumo_reactive.lab.trace import line_of
 
-VERSION = 1
+VERSION = 2
 """Version of the tables below; a store of another is refused."""
 
 _TABLES = """
@@ -32,6 +32,9 @@ CREATE TABLE trials (
 );
 CREATE TABLE metrics (key VARCHAR, name VARCHAR, value DOUBLE, PRIMARY KEY (key, name));
 CREATE TABLE events (key VARCHAR, time_s DOUBLE, kind VARCHAR, user_id VARCHAR, lane_id VARCHAR, entry JSON);
+CREATE TABLE diagram (
+    key VARCHAR, edges VARCHAR, begin_s DOUBLE, end_s DOUBLE, flow_per_h DOUBLE, density_per_km DOUBLE, speed_m_s DOUBLE
+);
 CREATE TABLE departures (scouting VARCHAR, vehicle_id VARCHAR, depart_s DOUBLE, length_m DOUBLE);
 """
 
@@ -54,6 +57,7 @@ def _words(values: Iterable[str]) -> str:
 
 
 _TEXTS = ("key", "scenario", "driver", "parameters", "options", "ending", "reason", "replay")
+_FIGURES_OF_POINTS = ("begin_s", "end_s", "flow_per_h", "density_per_km")
 _WRONG = {
     "plan": "number IS NULL",
     "shown": f"number IS NULL OR name IS NULL OR NOT regexp_full_match(name, '{OWN_NAME.pattern}')",
@@ -68,6 +72,13 @@ _WRONG = {
         ]
     ),
     "metrics": f"NOT abs(value) <= {MAX_VALUE} OR length(name) > {MAX_LETTERS}",
+    "diagram": " OR ".join(
+        [
+            f"coalesce(edges, '') = '' OR length(edges) > {MAX_LETTERS} OR key IS NULL",
+            *(f"NOT coalesce(abs({name}), 'nan') <= {MAX_VALUE}" for name in _FIGURES_OF_POINTS),
+            f"NOT abs(speed_m_s) <= {MAX_VALUE}",
+        ]
+    ),
     "departures": f"coalesce(vehicle_id, '') = '' OR NOT coalesce(abs(depart_s) + abs(length_m), 'nan') <= {MAX_VALUE}",
 }
 """Rows that no batch writes, by table."""

@@ -13,6 +13,7 @@ import duckdb
 from sumo_reactive.errors import StoreError
 from sumo_reactive.lab.batch.store_file import StoreFile, told
 from sumo_reactive.lab.comparison.statistics import ConfidenceInterval, interval_of
+from sumo_reactive.lab.fundamental_diagram import DiagramPoint
 from sumo_reactive.lab.metric_names import IN_BATCHES
 from sumo_reactive.lab.own_metrics import OWN_NAME, TAKEN
 from sumo_reactive.lab.schema import nearest
@@ -102,6 +103,15 @@ class Results(StoreFile):
     def happened(self, key: str) -> list[tuple[Any, ...]]:
         """Return time (s), kind, user, lane and entry of what happened in a trial, in order of time."""
         return self.rows("SELECT time_s, kind, user_id, lane_id, entry FROM events WHERE key = ? ORDER BY time_s", [key])
+
+    def diagram(self) -> dict[str, list[DiagramPoint]]:
+        """Return the points of the fundamental diagram of each planned trial by its key, in the order of the plan."""
+        points: dict[str, list[DiagramPoint]] = {}
+        columns = ", ".join(DiagramPoint._fields)
+        query = f"SELECT key, {columns} FROM diagram JOIN plan USING (key) ORDER BY number, edges, begin_s"
+        for key, *values in self.rows(query):
+            points.setdefault(key, []).append(DiagramPoint(*values))
+        return points
 
     def asked(self, query: str, most: int | None = None) -> Table:
         """Return what one query gives, at most so many rows of it."""

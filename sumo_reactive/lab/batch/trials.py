@@ -9,7 +9,7 @@ import os
 import random
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -90,6 +90,7 @@ def key_of(task: Task) -> str:
         "driver": str(scenario.driver),
         "driver_sources": digest_of_driver(scenario.driver),
         SHARE: task.share,
+        "counted": None if task.share is None else asdict(task.counted),
         "parameters": scenario.parameters.varied,
         "metrics": {source.name: source.digest for source in scenario.metrics},
         "versions": release(),
@@ -200,7 +201,7 @@ def _shares(experiment: Experiment, shares: Sequence[float]) -> Iterator[Trial]:
             one = _trial(experiment, choice, (seed, None, REACTIVE), point, options)
             # outputs are dealt with where it is run; of a trip's own metrics there is none
             scenario = replace(one.task.scenario, sumo_options=_words(options), metrics=())
-            yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, share))
+            yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, share, choice.counted))
 
 
 def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | None]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault
-from sumo_reactive.lab.metrics.moment import Figures, Moment
+from sumo_reactive.lab.metrics.moment import Figures, Moment, is_oncoming
 
 
 class Collisions:
@@ -32,8 +32,14 @@ class Collisions:
         return {"collisions": len(self.faults)}
 
 
+MOVING_SPEED = 0.1
+"""m/s; a standing body enters and leaves nothing, and has no near miss of its own."""
+
 NO_CONFLICT_S = 10.0
 """Longer times are no conflict."""
+
+NEAR_BELOW_S = 1.5
+"""A shorter time to collision or post-encroachment time is a near miss: SSAM's bound of the former (Gettman 2008)."""
 
 
 class TimeToCollision:
@@ -45,18 +51,25 @@ class TimeToCollision:
     def __init__(self) -> None:
         self._smallest = NO_CONFLICT_S
         self._when = math.nan
+        self._near = set[str]()
 
     def see(self, moment: Moment) -> None:
-        """Note the smallest time of this step."""
+        """Note the smallest time of this step, and with whom it is a near miss."""
         smallest = min(moment.times_to_collision, default=math.inf)
         if smallest < self._smallest:
             self._smallest, self._when = smallest, moment.step.time
+        if smallest < NEAR_BELOW_S and moment.step.speed > MOVING_SPEED:
+            counts = (np.array(moment.times_to_collision) < NEAR_BELOW_S) & ~is_oncoming(moment.boxes, moment.step.heading)
+            self._near |= {user.id for user, is_near in zip(moment.users, counts, strict=True) if is_near}
 
     def figures(self) -> Figures:
-        """Return the smallest time and when it was; None if no one was on collision course."""
-        if math.isnan(self._when):
-            return {"min_time_to_collision_s": None, "min_time_to_collision_at_s": None}
-        return {"min_time_to_collision_s": round(self._smallest, 3), "min_time_to_collision_at_s": round(self._when, 3)}
+        """Return the smallest time and when it was, None if nobody was on collision course; and how many near misses."""
+        smallest, when = (None, None) if math.isnan(self._when) else (round(self._smallest, 3), round(self._when, 3))
+        return {
+            "min_time_to_collision_s": smallest,
+            "min_time_to_collision_at_s": when,
+            "near_misses_by_ttc": len(self._near),
+        }
 
 
 HARD_BRAKING_M_S2 = -4.6
@@ -125,9 +138,6 @@ CELL_M = 0.5
 CROSSING_ANGLE = math.radians(20.0)
 """rad; bodies whose headings differ less follow one another: their time apart is a headway, no encroachment."""
 
-MOVING_SPEED = 0.1
-"""m/s; a standing body enters and leaves nothing."""
-
 FAR_CELL_M = 10.0
 """Side of the coarse cells that sort out who never came near the ego's way."""
 
@@ -145,6 +155,7 @@ class PostEncroachment:
         self._size = (length, width)
         self._ego: list[tuple[float, ...]] = []
         self._others: list[tuple[float, Floats]] = []
+        self._ids: list[tuple[str, ...]] = []
 
     def see(self, moment: Moment) -> None:
         """Keep the boxes."""
@@ -153,22 +164,27 @@ class PostEncroachment:
             self._ego.append((step.time, step.x, step.y, step.heading, *self._size, -1.0))
         if len(moment.boxes):
             self._others.append((step.time, moment.boxes))
+            self._ids.append(tuple(user.id for user in moment.users))
 
     def figures(self) -> Figures:
-        """Return the smallest time (s); None without an encounter."""
-        smallest = NO_ENCOUNTER_S
+        """Return the smallest time (s), None without an encounter; and the number of near misses."""
+        smallest, near = NO_ENCOUNTER_S, 0
         if self._ego and self._others:
-            ego, others = np.array(self._ego), _moving(self._others)
-            smallest = min(smallest, _smallest(ego, others[_on_the_way(ego, others)]))
-        return {"min_post_encroachment_s": round(smallest, 3) if smallest < NO_ENCOUNTER_S else None}
+            ego, others = np.array(self._ego), _moving(self._others, self._ids)
+            users, times = _apart(ego, others[_on_the_way(ego, others)])
+            smallest, near = min(smallest, float(times.min(initial=math.inf))), len(np.unique(users[times < NEAR_BELOW_S]))
+        least = round(smallest, 3) if smallest < NO_ENCOUNTER_S else None
+        return {"min_post_encroachment_s": least, "near_misses_by_pet": near}
 
 
-def _moving(boxes: list[tuple[float, Floats]]) -> Floats:
-    """Return (n, 7): time, front x, y, heading, length, width, 0 of the moving among boxes by time."""
+def _moving(boxes: list[tuple[float, Floats]], ids: list[tuple[str, ...]]) -> Floats:
+    """Return (n, 7): time, front x, y, heading, length, width, number of the user of the moving among boxes by time."""
     times = np.repeat([time for time, _ in boxes], [len(some) for _, some in boxes])
     all_of_them = np.concatenate([some for _, some in boxes])
+    numbers: dict[str, int] = {}
+    users = [numbers.setdefault(name, len(numbers)) for names in ids for name in names]
     x, y, heading, speed, length, width = all_of_them.T
-    rows: Floats = np.column_stack((times, x, y, heading, length, width, np.zeros(len(times))))[speed > MOVING_SPEED]
+    rows: Floats = np.column_stack((times, x, y, heading, length, width, users))[speed > MOVING_SPEED]
     return rows
 
 
@@ -198,8 +214,8 @@ def _key(x: Floats, y: Floats, cell: float) -> NDArray[np.int64]:
     return (np.floor(x / cell).astype(np.int64) << 32) + np.floor(y / cell).astype(np.int64)
 
 
-def _smallest(ego: Floats, others: Floats) -> float:
-    """Return the smallest time between ego and another in one cell, in either order, with crossing headings."""
+def _apart(ego: Floats, others: Floats) -> tuple[Floats, Floats]:
+    """Return users and times (s) between ego and each in one cell, in either order, with crossing headings."""
     cells, rows = _covered(np.vstack([ego, others]))
     boxes = np.vstack([ego, others])[rows]
     mine, theirs = cells[boxes[:, 6] < 0.0], cells[boxes[:, 6] >= 0.0]
@@ -210,8 +226,8 @@ def _smallest(ego: Floats, others: Floats) -> float:
     first, second = boxes[:-1], boxes[1:]
     meets = (cells[:-1] == cells[1:]) & ((first[:, 6] < 0.0) != (second[:, 6] < 0.0))
     turn = np.abs((first[:, 3] - second[:, 3] + math.pi) % (2.0 * math.pi) - math.pi)
-    apart = (second[:, 0] - first[:, 0])[meets & (turn > CROSSING_ANGLE)]
-    return float(apart.min()) if len(apart) else math.inf
+    apart = meets & (turn > CROSSING_ANGLE)
+    return np.maximum(first[:, 6], second[:, 6])[apart], (second[:, 0] - first[:, 0])[apart]
 
 
 def _covered(boxes: Floats) -> tuple[NDArray[np.int64], NDArray[np.intp]]:

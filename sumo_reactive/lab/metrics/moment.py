@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
@@ -88,6 +89,9 @@ Figures = dict[str, float | int | None]
 
 JUDGED_REACH_M = 80.0
 """Users farther away (front to front) are not judged."""
+
+ONCOMING = math.radians(135.0)
+"""rad; who turns away from the ego by more comes towards it, and is not counted: on bends straight lines cross."""
 
 GHOST = "reactive.ghost."
 
@@ -188,6 +192,11 @@ class Watch:
         if not any(touches):
             return _NOBODY, times
         return frozenset(user.id for user, touch in zip(users, touches, strict=True) if touch), times
+
+
+def is_oncoming(boxes: Floats, heading: float) -> NDArray[np.bool_]:
+    """Return which of `boxes` (n, 6) come towards who has a heading (rad), shape (n,)."""
+    return np.asarray(np.cos(boxes[:, 2] - heading) < math.cos(ONCOMING))
 
 
 def _change(before: RoadUser, user: RoadUser, duration: float) -> float:

@@ -9,7 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.world.road_graph import RoadGraph
-from sumo_reactive.lab.metrics.moment import Figures, Moment
+from sumo_reactive.lab.metrics.moment import Figures, Moment, is_oncoming
 
 COMFORT_BOUNDS = {
     "max_yaw_rate_rad_s": 0.95, "max_yaw_acceleration_rad_s2": 1.93,
@@ -25,9 +25,6 @@ SMOOTHED_STEPS = 15
 
 LEAST_TTC_S = 0.95
 """nuPlan's bound of the time to collision."""
-
-ONCOMING = math.radians(135.0)
-"""rad; who turns away from the ego by more comes towards it, and is not counted: on bends straight lines cross."""
 
 MOST_OVERSPEED_M_S = 2.23
 """Who drives so much too fast all the time scores 0."""
@@ -85,8 +82,7 @@ def _is_near_ahead(moment: Moment) -> bool:
     near = np.array(moment.times_to_collision) < LEAST_TTC_S
     boxes = moment.boxes[near]
     ahead = (boxes[:, 0] - x) * math.cos(heading) + (boxes[:, 1] - y) * math.sin(heading) > 0.0
-    is_oncoming = np.cos(boxes[:, 2] - heading) < math.cos(ONCOMING)
-    return bool(np.any(ahead & ~is_oncoming))
+    return bool(np.any(ahead & ~is_oncoming(boxes, heading)))
 
 
 def _comfort(motion: Floats) -> tuple[Figures, int | None]:
