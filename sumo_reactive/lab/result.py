@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
+from sumo_reactive.errors import ExitCode
 from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault, MetricFailure
 from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, metric_of
@@ -98,7 +99,8 @@ class TrialResult:
     @property
     def exit_code(self) -> int:
         """0: arrived without a collision or violation, and every metric asked for is there; else 1."""
-        return 0 if self.arrived and not self.collisions and not self.violations and not self.metric_failures else 1
+        is_wanting = not self.arrived or self.collisions or self.violations or self.metric_failures
+        return ExitCode.WANTING if is_wanting else ExitCode.DONE
 
     @property
     def verdict(self) -> str:
@@ -142,7 +144,7 @@ class FleetResult:
     @property
     def exit_code(self) -> int:
         """0: no ego has a fault; else 1."""
-        return int(bool(self.faulty))
+        return ExitCode.WANTING if self.faulty else ExitCode.DONE
 
 
 @dataclass(frozen=True, kw_only=True)
