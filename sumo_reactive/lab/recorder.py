@@ -112,8 +112,17 @@ def read_fleet(folder: Path) -> FleetKeys:
 SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, SAID = (
     "summary.json", "trajectory.parquet", "encounters.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
 )  # fmt: skip
-FILES = SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, USERS, SURROUNDINGS, SAID
-"""The files of a run; the last one only of a driver of the user's that tells its reasons."""
+FILES = {
+    SUMMARY: "what the trip came to",
+    TRAJECTORY: "the ego: a row a simulation step",
+    ENCOUNTERS: "surrogate safety measures: a row a step and road user ahead, behind, beside or on collision course",
+    DECISIONS: "the pilot: a line where behaviour, instruction or the set of decisions changes, or an emergency begins",
+    REGIONS: "the outline of each conflict region that the decisions name, by id: points [x, y], m",
+    USERS: "the others: a row a step and road user whom the driver looked at, or within 40 m",
+    SURROUNDINGS: "the roads around, lights, C, places to stop at, U over the commands at each decision",
+    SAID: "of a driver of yours that tells its reasons alone: a line where its reason changes, `time_s` and `reason`",
+}
+"""The files of a run, and what each holds."""
 
 PAGE = "report.html"
 """The page that `report` writes beside them."""

@@ -18,8 +18,17 @@ from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
-CSV_COLUMNS = ("scenario", "ego", "seed", "metric", "sumo", "compared")
-"""Columns of `comparison.csv` beside that of the driver that is compared, which has its name."""
+CSV_MEANINGS = {
+    "scenario": "the scenario's file",
+    "ego": "the vehicle driven",
+    "seed": "seed of both runs",
+    "metric": "key of the metric",
+    "sumo": "its value with SUMO's own driver; empty: none",
+    "compared": "1: this value of the pair counts in the comparison, 0: it does not",
+}
+"""Columns of `comparison.csv` beside that of the driver that is compared, which has its name and stands before the last."""
+
+CSV_COLUMNS = tuple(CSV_MEANINGS)
 
 MOST_CSV_BYTES = 2**26
 """More is no comparison that anybody has driven: 64 MB hold 20,000 pairs."""
