@@ -46,8 +46,8 @@ STEP_COLUMNS = {
     "behaviour": StepColumn("behaviour", "what the ego is doing", object),
     "instruction": StepColumn("instruction", "what the pilot tells the executor", object),
     "pilot": StepColumn("pilot", "how often the pilot decided in this step", np.int64),
-    "emergency": StepColumn("emergency", "whether it brakes harder than planned, or has no admissible command", np.bool_),
-    "hazard": StepColumn("hazard", "who or what it is for; empty: no command is admissible, or no emergency", object),
+    "emergency": StepColumn("emergency", "the ego brakes harder than planned, or has no admissible command", np.bool_),
+    "hazard": StepColumn("hazard", "who or what that is for; empty: no command is admissible, or no emergency", object),
     "light": StepColumn("light", "letter that applied at a stop line crossed in this step; empty: none crossed", object),
     "control_us": StepColumn("control_us", "wall-clock time of the control step"),
 }  # fmt: skip

@@ -35,6 +35,17 @@ def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
 
 FLEET = "fleet.json"
 
+FLEET_MEANINGS = {
+    "exit_code": "0: no ego has a fault; else 1",
+    "until_s": "simulation time at the end",
+    "egos": "each ego with the `folder` of its own record, its `verdict` and its metrics",
+    "overrides": "what was changed in the scenario",
+    "recounts": "what was put right in SUMO's own outputs",
+    "refused": "vehicles that could not be taken over, and why",
+    "timing": "wall-clock figures: of an ego and step, of the whole simulation",
+}
+"""Keys of FLEET."""
+
 _LONGEST, _KEPT = 100, 80
 """Letters of a folder's name at most, and how many of a longer one stay before its digest."""
 
@@ -113,7 +124,7 @@ SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, SAID = (
     "summary.json", "trajectory.parquet", "encounters.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
 )  # fmt: skip
 FILES = {
-    SUMMARY: "what the trip came to",
+    SUMMARY: "what the trip came to; a fault has `time_s`, `user_id` and `lane_id`, a violation its `kind`, too",
     TRAJECTORY: "the ego: a row a simulation step",
     ENCOUNTERS: "surrogate safety measures: a row a step and road user ahead, behind, beside or on collision course",
     DECISIONS: "the pilot: a line where behaviour, instruction or the set of decisions changes, or an emergency begins",

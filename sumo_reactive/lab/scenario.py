@@ -57,6 +57,7 @@ class Expectation(TomlTable):
     violations: int = Field(default=0, ge=0)
     """So many at most."""
     metrics: dict[str, Limit] = Field(default_factory=dict)
+    """Limits by the name of a metric: `{ min = …, max = … }`, or one of them."""
 
 
 DEFAULT_SEED = 42

@@ -95,6 +95,7 @@ class EgoKeys(TomlTable):
     min_length_m: float = Field(default=0.0, ge=0.0)
     """Trips drawn are at least so long, m."""
     warm_up_s: float = Field(default=0.0, ge=0.0)
+    """Trips drawn depart at least so long after the scenario's begin, s."""
 
 
 class SampleKeys(TomlTable):

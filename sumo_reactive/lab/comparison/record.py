@@ -18,6 +18,18 @@ from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
+JSON_MEANINGS = {
+    "confidence": "of the intervals, 0 to 1",
+    "resamples": "of the bootstrap",
+    "horizon_s": "runs end this long after the ego's departure",
+    "pairs_driven": "pairs in which both runs got to an end",
+    "drivers": "SUMO's own, and the one that is compared",
+    "metrics": "of each metric by key: n, both means, their paired difference, `low` and `high` of its interval, its method",
+    "pairs": "of each pair: scenario, ego, seed, both runs with the commands that repeat them, values of each metric",
+    "versions": "of this package, SUMO and the libraries that numbers depend on",
+}
+"""Keys of `comparison.json`."""
+
 CSV_MEANINGS = {
     "scenario": "the scenario's file",
     "ego": "the vehicle driven",
