@@ -67,9 +67,19 @@ def _array(values: Sequence[Any], kind: type) -> NDArray[Any]:
     return np.array(values, dtype=np.float64 if kind is not object and None in values else kind)
 
 
-def write_columns(path: Path, table: Mapping[str, NDArray[Any]]) -> None:
-    """Write arrays of one length as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done."""
+_SQL_TYPES: Mapping[type, str] = {np.int64: "BIGINT", np.bool_: "BOOLEAN", object: "VARCHAR"}
+STEP_TYPES = {one.name: _SQL_TYPES[one.kind] for one in STEP_COLUMNS.values() if one.kind in _SQL_TYPES}
+"""Types of the columns that are no floating-point numbers, also where a driver has none of them."""
+
+
+def write_columns(path: Path, table: Mapping[str, NDArray[Any]], types: Mapping[str, str] | None = None) -> None:
+    """Write arrays of one length as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done.
+
+    `types` are those of DuckDB by column; a column of objects is text in any case, also one that is empty or all None.
+    """
+    cast = {name: "VARCHAR" for name, column in table.items() if column.dtype == object} | dict(types or {})
+    columns = (f'CAST("{name}" AS {cast[name]}) AS "{name}"' if name in cast else f'"{name}"' for name in table)
     with duckdb.connect() as database:
         database.register("steps", dict(table))
         with as_os_errors():
-            database.table("steps").write_parquet(str(path))
+            database.sql(f"SELECT {', '.join(columns)} FROM steps").write_parquet(str(path))

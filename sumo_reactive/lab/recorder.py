@@ -17,7 +17,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.columns import trajectory_columns, write_columns
+from sumo_reactive.lab.columns import STEP_TYPES, trajectory_columns, write_columns
 from sumo_reactive.lab.metrics.moment import Neighbourhood
 from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
@@ -30,7 +30,7 @@ from sumo_reactive.writing import require_writable, whole_folder
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
     """Write `steps` as a Parquet file; raise what `write_columns` raises."""
-    write_columns(path, trajectory_columns(steps))
+    write_columns(path, trajectory_columns(steps), STEP_TYPES)
 
 
 FLEET = "fleet.json"
