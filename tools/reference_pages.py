@@ -23,11 +23,11 @@ from reference.markdown import coded, page, said_below, table
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.decision import INSTRUCTION_NUMBERS, Occupancy
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE, TOO_NEAR
-from sumo_reactive.driver.parameters import LEAST, NAMES, USUAL, Parameters, unit_of
+from sumo_reactive.driver.parameters import LEAST, NAMES, USUAL, Parameters
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ExitCode
 from sumo_reactive.lab.fault import FAULT_MEANINGS
-from sumo_reactive.lab.metric_names import BASELINE, METRICS, NETWORK, OTHERS, TIMINGS, Metric, event_key
+from sumo_reactive.lab.metric_names import BASELINE, METRICS, NETWORK, OTHERS, TIMINGS, Metric, event_key, unit_of_parameter
 from sumo_reactive.lab.task import Ending
 from sumo_reactive.show import sentences
 from sumo_reactive.sumo.launch import OVERRIDES
@@ -85,7 +85,10 @@ def _sections() -> Iterator[str]:
     for part in re.split(r"^    # --- (?=.* ---$)", inspect.getsource(Parameters), flags=re.MULTILINE)[1:]:
         yield f"## {part[0].upper()}{part.partition(' ---')[0][1:]}"
         names = [name for name in re.findall(r"^    (\w+): \w+ = ", part, re.MULTILINE) if name in NAMES]
-        rows = ((f"`{one}`", f"{getattr(USUAL, one):g}", unit_of(one), f"{LEAST.get(one, 0):g}", said[one]) for one in names)
+        rows = (
+            (f"`{one}`", f"{getattr(USUAL, one):g}", unit_of_parameter(one), f"{LEAST.get(one, 0):g}", said[one])
+            for one in names
+        )
         yield table(("name", "default", "unit", "least", "what it is"), rows)
 
 

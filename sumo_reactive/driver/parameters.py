@@ -394,18 +394,6 @@ LEAST = {
 }  # fmt: skip
 """The smallest value of a parameter that is divided by, or simulated for; every other may be 0."""
 
-_UNITS = {
-    "_s": "s", "_m": "m", "deceleration": "m/s²", "acceleration": "m/s²", "_in_plan": "m/s²", "_jerk": "m/s³",
-    "_speed": "m/s", "_tolerance": "m/s", "_by": "m/s", "_rate": "rad/s", "_attraction": "1/m", "_scale": "s",
-    "_growth": "s²/m",
-}  # fmt: skip
-
-
-def unit_of(name: str) -> str:
-    """Return the unit of a parameter, which the end of its name tells; empty for a share, a factor or a number."""
-    return next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), "")
-
-
 USUAL = Parameters()
 """The driver as it is without anybody's wishes."""
 

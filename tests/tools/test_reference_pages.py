@@ -12,7 +12,7 @@ from helpers.recordings import made_record, step
 from sumo_reactive.cli.app import app
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Occupancy, Reason
 from sumo_reactive.driver.nouns.event import EventKind
-from sumo_reactive.driver.parameters import NAMES, unit_of
+from sumo_reactive.driver.parameters import NAMES
 from sumo_reactive.errors import ExitCode, ReactiveError
 from sumo_reactive.lab.batch.experiment import EgoKeys, ExperimentFile, ExperimentKeys, SampleKeys
 from sumo_reactive.lab.batch.store import Store
@@ -20,7 +20,7 @@ from sumo_reactive.lab.batch.stored_results import Results
 from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.comparison.comparison import Comparison
 from sumo_reactive.lab.comparison.record import data_of
-from sumo_reactive.lab.metric_names import EVERY
+from sumo_reactive.lab.metric_names import EVERY, unit_of_parameter
 from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
 from sumo_reactive.lab.recorder import FILES, fleet_summary
@@ -80,7 +80,8 @@ def test_every_exit_code_that_a_command_may_end_with_is_there():
 def test_every_parameter_is_there_with_its_unit():
     told = page("parameters")
     for name in NAMES:
-        assert re.search(rf"^\| `{name}` \| [-\d.]+ \| {re.escape(unit_of(name))} \| [\d.]+ \| \S", told, re.MULTILINE), name
+        unit = re.escape(unit_of_parameter(name))
+        assert re.search(rf"^\| `{name}` \| [-\d.]+ \| {unit} \| [\d.]+ \| \S", told, re.MULTILINE), name
 
 
 @pytest.mark.parametrize(
@@ -92,7 +93,7 @@ def test_every_parameter_is_there_with_its_unit():
     ],
 )  # fmt: skip
 def test_the_unit_of_a_parameter_is_told_by_the_end_of_its_name(name, unit):
-    assert (name in NAMES, unit_of(name)) == (True, unit)
+    assert (name in NAMES, unit_of_parameter(name)) == (True, unit)
 
 
 def test_a_unit_in_the_words_on_a_parameter_is_the_one_in_its_column():
