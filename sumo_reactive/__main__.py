@@ -3,6 +3,8 @@
 import os
 import signal
 
+from sumo_reactive.errors import ExitCode
+
 
 def main() -> None:
     """Run the command line; an interrupt while its modules are loaded, or when all is done, is one line, too."""
@@ -16,7 +18,7 @@ def main() -> None:
 
 def _leave(*_: object) -> None:
     os.write(2, b"sumo-reactive: interrupted\n")
-    os._exit(130)
+    os._exit(ExitCode.INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import ast
 import inspect
 import textwrap
 import typing
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +36,17 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 def main() -> None:
     """Write or compare the pages."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    write_or_compare(pages, FOLDER, __doc__ or "")
+
+
+def write_or_compare(make: Callable[[], dict[str, str]], folder: Path, told: str) -> None:
+    """Do what a command line asks that is `told` of: have the pages made, write them to a folder or compare them; exit."""
+    parser = argparse.ArgumentParser(description=told, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 if a page is out of date")
-    parser.add_argument("--folder", type=Path, default=FOLDER, help="default docs/api")
+    parser.add_argument("--folder", type=Path, default=folder, help=f"default {folder.relative_to(ROOT)}")
     asked = parser.parse_args()
     asked.folder.mkdir(exist_ok=True)
-    fresh = pages()
+    fresh = make()
     there = {page.name: page.read_text(encoding="utf-8") for page in asked.folder.glob("*.md")}
     stale = sorted(name for name in fresh.keys() | there.keys() if fresh.get(name) != there.get(name))
     for name in () if asked.check else stale:

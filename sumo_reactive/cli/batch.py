@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sumo_reactive.cli.app import app, note_compiling
+from sumo_reactive.errors import ExitCode
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -69,7 +70,7 @@ def _conclude(experiment: Experiment, trials: list[Trial], failed: list[tuple[st
         typer.echo(f"no result: {labels[key]}: {reason}\n  {replay}")
     there = len(trials) - len(failed)
     typer.echo(f"{there} of {len(trials)} trials have a result: sumo-reactive results {experiment.store}")
-    return 1 if failed else 0
+    return ExitCode.WANTING if failed else ExitCode.DONE
 
 
 class BatchProgress:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from sumo_reactive.cli.app import DRIVER_HELP, DriverOptions, app, drivers_named, note_compiling
+from sumo_reactive.errors import ExitCode
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.check import Verdict
@@ -88,4 +89,4 @@ def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
     typer.echo(f"\n{met} of {len(verdicts)} met")
     if junit is not None:
         write_junit(junit, told)
-    return 0 if met == len(verdicts) else 1
+    return ExitCode.DONE if met == len(verdicts) else ExitCode.WANTING

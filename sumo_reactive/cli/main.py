@@ -15,9 +15,7 @@ import typer
 
 from sumo_reactive.cli.app import app
 from sumo_reactive.cli.streams import outlive_readers
-from sumo_reactive.errors import ReactiveError
-
-_USAGE_ERROR, _OUT_OF_MEMORY, _INTERNAL_ERROR, _INTERRUPTED = 2, 3, 70, 130
+from sumo_reactive.errors import ExitCode, ReactiveError
 
 _PATIENCE_S = 3.0
 """So long after a request others are taken for the same one: what cleans up is not cut short by a second key."""
@@ -44,9 +42,9 @@ def main() -> NoReturn:
         split = arguments.index("--") if "--" in arguments else len(arguments)
         code = _exit_code(arguments[:split], arguments[split + 1 :], interrupts)
     except KeyboardInterrupt:
-        interrupts.requested, code = True, _INTERRUPTED
+        interrupts.requested, code = True, ExitCode.INTERRUPTED
     interrupts.end()
-    raise SystemExit(_fail("interrupted", code) if code == _INTERRUPTED and not interrupts.is_told else code)
+    raise SystemExit(_fail("interrupted", code) if code == ExitCode.INTERRUPTED and not interrupts.is_told else code)
 
 
 def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interrupts) -> int:
@@ -54,22 +52,22 @@ def _exit_code(arguments: list[str], sumo_options: list[str], interrupts: Interr
         return int(app(args=arguments, prog_name="sumo-reactive", standalone_mode=False, obj=sumo_options) or 0)
     except ReactiveError as error:
         interrupts.is_told = not interrupts.requested
-        return _INTERRUPTED if interrupts.requested else _fail(str(error), error.exit_code)
+        return ExitCode.INTERRUPTED if interrupts.requested else _fail(str(error), error.exit_code)
     except _UsageErrors as error:
         message = getattr(error, "format_message", error.__str__)()
         asked = getattr(getattr(error, "ctx", None), "command_path", "sumo-reactive")
         is_unknown = type(error).__name__ == "NoSuchOption" and asked.endswith(_TAKE_SUMO_OPTIONS)
         hint = "; an option of SUMO goes behind --, as in '-- --time-to-teleport 300'" if is_unknown else ""
-        return _fail(f"{message.rstrip('.') if hint else message}{hint} (see {asked} --help)", _USAGE_ERROR)
+        return _fail(f"{message.rstrip('.') if hint else message}{hint} (see {asked} --help)", ExitCode.UNUSABLE)
     except MemoryError:
-        return _INTERRUPTED if interrupts.requested else _fail("out of memory", _OUT_OF_MEMORY)
+        return ExitCode.INTERRUPTED if interrupts.requested else _fail("out of memory", ExitCode.SUMO_FAILED)
     except Exception as error:
         if interrupts.requested:
-            return _INTERRUPTED
+            return ExitCode.INTERRUPTED
         if isinstance(error, OSError) and error.strerror:
-            return _fail(": ".join(str(part) for part in (error.filename, error.strerror) if part), _USAGE_ERROR)
+            return _fail(": ".join(str(part) for part in (error.filename, error.strerror) if part), ExitCode.UNUSABLE)
         traceback.print_exc()
-        return _fail("internal error, please report it with the lines above", _INTERNAL_ERROR)
+        return _fail("internal error, please report it with the lines above", ExitCode.INTERNAL_FAULT)
 
 
 def _fail(message: str, code: int) -> int:

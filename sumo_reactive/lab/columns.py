@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import duckdb
 import numpy as np
@@ -13,34 +13,73 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.lab.tables import as_os_errors
 
-COLUMNS = {
-    "time": "time_s", "x": "x_m", "y": "y_m", "heading": "heading_rad", "speed": "speed_m_s",
-    "acceleration": "acceleration_m_s2", "steering_angle": "steering_angle_rad", "lane_id": "lane_id",
-    "s": "s_m", "d": "d_m",
-    "command_acceleration": "command_acceleration_m_s2", "command_steering_rate": "command_steering_rate_rad_s",
-    "desired_speed": "desired_speed_m_s", "stop_s": "stop_m", "u": "u", "u1": "u1", "u2": "u2", "u3": "u3",
-    "leader": "leader", "gap": "gap_m", "behaviour": "behaviour", "instruction": "instruction", "pilot": "pilot",
-    "emergency": "emergency", "hazard": "hazard", "light": "light", "control_us": "control_us",
-}  # fmt: skip
-"""Column of each field of `StepRecord`; decisions have a file of their own."""
 
-_FLAGS, _TEXTS = ("emergency",), ("lane_id", "leader", "hazard", "behaviour", "instruction", "light")
-_TYPES: dict[str, type] = {"pilot": np.int64} | dict.fromkeys(_FLAGS, np.bool_) | dict.fromkeys(_TEXTS, object)
+class StepColumn(NamedTuple):
+    """A column of the trajectory: its name, which ends in its unit, what it holds, the type of its values."""
+
+    name: str
+    meaning: str
+    kind: type = np.float64
+
+
+STEP_COLUMNS = {
+    "time": StepColumn("time_s", "simulation time at the end of the step"),
+    "x": StepColumn("x_m", "centre of the front bumper"),
+    "y": StepColumn("y_m", "centre of the front bumper"),
+    "heading": StepColumn("heading_rad", "counter-clockwise from the x axis"),
+    "speed": StepColumn("speed_m_s", "speed; negative: backwards"),
+    "acceleration": StepColumn("acceleration_m_s2", "acceleration of the step"),
+    "steering_angle": StepColumn("steering_angle_rad", "steering angle φ, positive to the left"),
+    "lane_id": StepColumn("lane_id", "lane on which SUMO maps the ego; empty: none", object),
+    "s": StepColumn("s_m", "front axle along C"),
+    "d": StepColumn("d_m", "front axle beside C, positive to the left"),
+    "command_acceleration": StepColumn("command_acceleration_m_s2", "chosen command v̇"),
+    "command_steering_rate": StepColumn("command_steering_rate_rad_s", "chosen command φ̇"),
+    "desired_speed": StepColumn("desired_speed_m_s", "desired speed v_d"),
+    "stop_s": StepColumn("stop_m", "planned stop along C; NULL: none"),
+    "u": StepColumn("u", "potential U of the chosen command"),
+    "u1": StepColumn("u1", "its term U₁, which keeps the ego on C"),
+    "u2": StepColumn("u2", "its term U₂, which keeps it away from others"),
+    "u3": StepColumn("u3", "its term U₃, which keeps it at v_d"),
+    "leader": StepColumn("leader", "the vehicle that limits the ego; empty: none", object),
+    "gap": StepColumn("gap_m", "distance to it; NULL: none"),
+    "behaviour": StepColumn("behaviour", "what the ego is doing", object),
+    "instruction": StepColumn("instruction", "what the pilot tells the executor", object),
+    "pilot": StepColumn("pilot", "how often the pilot decided in this step", np.int64),
+    "emergency": StepColumn("emergency", "the ego brakes harder than planned, or has no admissible command", np.bool_),
+    "hazard": StepColumn("hazard", "who or what that is for; empty: no command is admissible, or no emergency", object),
+    "light": StepColumn("light", "letter that applied at a stop line crossed in this step; empty: none crossed", object),
+    "control_us": StepColumn("control_us", "wall-clock time of the control step"),
+}  # fmt: skip
+"""The columns by the field of `StepRecord` that each holds; what a driver does not have is NULL. Decisions have a file of
+their own."""
+
+COLUMNS = {field: column.name for field, column in STEP_COLUMNS.items()}
+"""The names alone."""
 
 
 def trajectory_columns(steps: Sequence[StepRecord]) -> dict[str, NDArray[Any]]:
     """Return `steps` as arrays by the names of their columns; numbers that a driver does not have are NaN."""
-    return {column: _array([getattr(step, field) for step in steps], field) for field, column in COLUMNS.items()}
+    return {one.name: _array([getattr(step, field) for step in steps], one.kind) for field, one in STEP_COLUMNS.items()}
 
 
-def _array(values: Sequence[Any], field: str) -> NDArray[Any]:
-    kind = _TYPES.get(field, np.float64)
+def _array(values: Sequence[Any], kind: type) -> NDArray[Any]:
     return np.array(values, dtype=np.float64 if kind is not object and None in values else kind)
 
 
-def write_columns(path: Path, table: Mapping[str, NDArray[Any]]) -> None:
-    """Write arrays of one length as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done."""
+_SQL_TYPES: Mapping[type, str] = {np.int64: "BIGINT", np.bool_: "BOOLEAN", object: "VARCHAR"}
+STEP_TYPES = {one.name: _SQL_TYPES[one.kind] for one in STEP_COLUMNS.values() if one.kind in _SQL_TYPES}
+"""Types of the columns that are no floating-point numbers, also where a driver has none of them."""
+
+
+def write_columns(path: Path, table: Mapping[str, NDArray[Any]], types: Mapping[str, str] | None = None) -> None:
+    """Write arrays of one length as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done.
+
+    `types` are those of DuckDB by column; a column of objects is text in any case, also one that is empty or all None.
+    """
+    cast = {name: "VARCHAR" for name, column in table.items() if column.dtype == object} | dict(types or {})
+    columns = (f'CAST("{name}" AS {cast[name]}) AS "{name}"' if name in cast else f'"{name}"' for name in table)
     with duckdb.connect() as database:
         database.register("steps", dict(table))
         with as_os_errors():
-            database.table("steps").write_parquet(str(path))
+            database.sql(f"SELECT {', '.join(columns)} FROM steps").write_parquet(str(path))

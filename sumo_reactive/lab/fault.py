@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 COLLISION, HARD_BRAKING = "collision", "hard braking"
-"""Boxes overlapped from then on; somebody behind the ego began to brake hard because of it. All else breaks a rule."""
+RED_LIGHT_RUN, RIGHT_OF_WAY_TAKEN = "red light run", "right of way taken"
+
+FAULT_MEANINGS = {
+    COLLISION: "the ego's box and another's overlap from then on",
+    HARD_BRAKING: "somebody behind the ego begins to brake hard because of it",
+    RED_LIGHT_RUN: "the ego crosses a stop line on a letter that forbids it",
+    RIGHT_OF_WAY_TAKEN: "the ego obstructs somebody with priority",
+}
+"""Every kind of fault; the first two are no breach of a rule."""
 
 
 class Fault(NamedTuple):

@@ -215,6 +215,16 @@ UNITS: Mapping[str, str] = {
 }  # fmt: skip
 """Units by the ending of a key; a longer ending comes first."""
 
+_UNITS_OF_WORDS = {
+    "deceleration": "m/s²", "acceleration": "m/s²", "_in_plan": "m/s²", "_jerk": "m/s³", "_speed": "m/s",
+    "_tolerance": "m/s", "_by": "m/s", "_rate": "rad/s", "_attraction": "1/m", "_scale": "s", "_growth": "s²/m",
+}  # fmt: skip
+
+
+def unit_of_parameter(name: str) -> str:
+    """Return the unit of a parameter of the driver, told by the end of its name; empty for a share, a factor, a number."""
+    return next((unit for ending, unit in {**UNITS, **_UNITS_OF_WORDS}.items() if name.endswith(ending)), "")
+
 
 _CUT = re.compile(r"cut_(\w+)_per_h")
 

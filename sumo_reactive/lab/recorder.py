@@ -17,7 +17,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.columns import trajectory_columns, write_columns
+from sumo_reactive.lab.columns import STEP_TYPES, trajectory_columns, write_columns
 from sumo_reactive.lab.metrics.moment import Neighbourhood
 from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
@@ -30,10 +30,21 @@ from sumo_reactive.writing import require_writable, whole_folder
 
 def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
     """Write `steps` as a Parquet file; raise what `write_columns` raises."""
-    write_columns(path, trajectory_columns(steps))
+    write_columns(path, trajectory_columns(steps), STEP_TYPES)
 
 
 FLEET = "fleet.json"
+
+FLEET_MEANINGS = {
+    "exit_code": "0: no ego has a fault; else 1",
+    "until_s": "simulation time at the end",
+    "egos": "each ego with the `folder` of its own record, its `verdict` and its metrics",
+    "overrides": "what was changed in the scenario",
+    "recounts": "what was put right in SUMO's own outputs",
+    "refused": "vehicles that could not be taken over, and why",
+    "timing": "wall-clock figures: of an ego and step, of the whole simulation",
+}
+"""Keys of FLEET."""
 
 _LONGEST, _KEPT = 100, 80
 """Letters of a folder's name at most, and how many of a longer one stay before its digest."""
@@ -112,8 +123,17 @@ def read_fleet(folder: Path) -> FleetKeys:
 SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, SAID = (
     "summary.json", "trajectory.parquet", "encounters.parquet", "decisions.jsonl", "regions.json", "said.jsonl",
 )  # fmt: skip
-FILES = SUMMARY, TRAJECTORY, ENCOUNTERS, DECISIONS, REGIONS, USERS, SURROUNDINGS, SAID
-"""The files of a run; the last one only of a driver of the user's that tells its reasons."""
+FILES = {
+    SUMMARY: "what the trip came to; a fault has `time_s`, `user_id` and `lane_id`, a violation its `kind`, too",
+    TRAJECTORY: "the ego: a row a simulation step",
+    ENCOUNTERS: "surrogate safety measures: a row a step and road user ahead, behind, beside or on collision course",
+    DECISIONS: "the pilot: a line where behaviour, instruction or the set of decisions changes, or an emergency begins",
+    REGIONS: "the outline of each conflict region that the decisions name, by id: points [x, y], m",
+    USERS: "the others: a row a step and road user whom the driver looked at, or within 40 m",
+    SURROUNDINGS: "the roads around, lights, C, places to stop at, U over the commands at each decision",
+    SAID: "of a driver of yours that tells its reasons alone: a line where its reason changes, `time_s` and `reason`",
+}
+"""The files of a run, and what each holds."""
 
 PAGE = "report.html"
 """The page that `report` writes beside them."""

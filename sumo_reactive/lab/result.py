@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
+from sumo_reactive.errors import ExitCode
 from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault, MetricFailure
 from sumo_reactive.lab.fundamental_diagram import DiagramPoint
@@ -19,40 +20,58 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class TrialResult:
-    """One trial. Times are simulation seconds; `end_s` is when the ego arrived or the run ended.
-
-    `chosen` says how the ego was chosen ("as named", "first car to depart"); `ended` why the run ended ("arrived", "until
-    120 s"); `stopped_s` is the time at stops of the route, which is no loss; `figures` hold units in their keys, wall-clock
-    figures apart under `timing`. `length_m` and `width_m` are the ego's. `faults` are in order of time. `recounts`: what was
-    put right in SUMO's own outputs. `failure`: the traceback of a driver of the user's that has failed (empty: none has).
-    `metric_failures`: metrics of the user's own that gave no number.
-    """
+    """One trial. Times are simulation seconds."""
 
     scenario: str
+    """The file that names it."""
     ego: str
+    """The vehicle driven."""
     chosen: str
+    """How it was chosen: "as named", "first car to depart"."""
     seed: int
+    """Seed of the random numbers."""
     step_length_s: float
+    """Simulation step."""
     profile: str
+    """`default` or `paper` of this project's driver, else the driver's name."""
     arrived: bool
+    """Whether the ego has arrived."""
     ended: str
+    """Why the run ended: "arrived", "until 120 s"."""
     begin_s: float
+    """When the run began."""
     departure_s: float
+    """When the ego departed."""
     end_s: float
+    """When the ego arrived or the run ended."""
     time_loss_s: float
+    """Time lost by driving slower than the road allows."""
     distance_m: float
+    """Way driven."""
     figures: Mapping[str, float | int | None]
+    """What the judges measured, by key of the metric; None: there is none."""
     timing: Mapping[str, float] = field(default_factory=dict)
+    """Wall-clock figures, by key."""
     faults: tuple[Fault, ...] = ()
+    """What the ego did to others or against rules, in order of time."""
     overrides: tuple[OptionOverride, ...] = ()
+    """What was changed in the scenario."""
     versions: Mapping[str, str] = field(default_factory=dict)
+    """Of this package, SUMO and the libraries that numbers depend on."""
     ghosts: int = 0
+    """How many stand-ins showed the ego on another lane."""
     stopped_s: float = 0.0
+    """Time at stops of the route, which is no loss."""
     recounts: tuple[Recount, ...] = ()
+    """What was put right in SUMO's own outputs."""
     failure: str = ""
+    """Traceback of a driver of the user's that has failed; empty: none has."""
     metric_failures: tuple[MetricFailure, ...] = ()
+    """Metrics of the user's own that gave no number, and why."""
     length_m: float = field(kw_only=True)
+    """The ego's length."""
     width_m: float = field(kw_only=True)
+    """The ego's width."""
 
     @property
     def duration_s(self) -> float:
@@ -99,7 +118,8 @@ class TrialResult:
     @property
     def exit_code(self) -> int:
         """0: arrived without a collision or violation, and every metric asked for is there; else 1."""
-        return 0 if self.arrived and not self.collisions and not self.violations and not self.metric_failures else 1
+        is_wanting = not self.arrived or self.collisions or self.violations or self.metric_failures
+        return ExitCode.WANTING if is_wanting else ExitCode.DONE
 
     @property
     def verdict(self) -> str:
@@ -143,7 +163,7 @@ class FleetResult:
     @property
     def exit_code(self) -> int:
         """0: no ego has a fault; else 1."""
-        return int(bool(self.faulty))
+        return ExitCode.WANTING if self.faulty else ExitCode.DONE
 
 
 @dataclass(frozen=True, kw_only=True)

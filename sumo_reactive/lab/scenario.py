@@ -33,7 +33,9 @@ class Limit(TomlTable):
     """A metric's smallest and largest value that is accepted, `{ min = …, max = … }`; at least one of them is given."""
 
     min: float | None = Field(default=None, allow_inf_nan=False)
+    """No less is accepted."""
     max: float | None = Field(default=None, allow_inf_nan=False)
+    """No more is accepted."""
 
     @model_validator(mode="after")
     def _says_something(self) -> Limit:
@@ -49,9 +51,13 @@ class Expectation(TomlTable):
     metrics by name."""
 
     arrived: bool = True
+    """Whether the ego arrives."""
     collisions: int = Field(default=0, ge=0)
+    """So many at most."""
     violations: int = Field(default=0, ge=0)
+    """So many at most."""
     metrics: dict[str, Limit] = Field(default_factory=dict)
+    """Limits by the name of a metric: `{ min = …, max = … }`, or one of them."""
 
 
 DEFAULT_SEED = 42
@@ -121,22 +127,35 @@ DriverName = Annotated[str, AfterValidator(_known_driver)]
 """A driver as files may name it."""
 
 
-class _Keys(TomlTable):
+class ScenarioKeys(TomlTable):
     """The table `[scenario]`."""
 
     config: str
+    """The SUMO configuration, beside this file."""
     ego: str | None = None
+    """The vehicle to drive; else one named `ego`, else the first car to depart."""
     seed: Seed = DEFAULT_SEED
+    """Seed of the random numbers."""
     seeds: list[Seed] | None = Field(default=None, min_length=1)
+    """Several, in place of `seed`: `check`, `compare` and `batch` run each, `run` the first."""
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
+    """Simulation step, s; else SUMO's configuration's or 0.1 s, whichever is finer."""
     until_s: float | None = Field(default=None, gt=0.0)
+    """The run ends at this simulation time at the latest, s."""
     profile: Profile = Field(default=Profile.DEFAULT, strict=False)
+    """The paper's nine commands, or the finer default."""
     delays: Delays = Field(default=Delays.REPLAN, strict=False)
+    """Whether a delay shifts the times of the plan, as in the paper, or they are planned anew."""
     obstacle_polygons: str = OBSTACLE_POLYGONS
+    """Polygons of this type stand on the road as bodies."""
     parameters: dict[str, Any] = Field(default_factory=dict)
+    """Other values for parameters of the driver, by name."""
     driver: DriverName = REACTIVE_NAME
+    """Who drives: `reactive`, `sumo`, `module:Class`, `exec:PROGRAM …` or the name of an installed one."""
     driver_options: dict[str, DriverOption] = Field(default_factory=dict)
+    """What a driver of yours gets, by name."""
     metrics: list[str] = Field(default_factory=list)
+    """Metrics of your own, each `module:function` or the name of an installed one."""
 
     @field_validator("seeds")
     @classmethod
@@ -151,7 +170,7 @@ class _Keys(TomlTable):
         return named_once(asked, [parameter(name, value) for name, value in asked.items()])
 
     @model_validator(mode="after")
-    def _one_kind_of_seed(self) -> _Keys:
+    def _one_kind_of_seed(self) -> ScenarioKeys:
         if {"seed", "seeds"} <= self.model_fields_set:
             raise problem_at("seeds", "there is 'seed' already")
         return self
@@ -176,7 +195,7 @@ def named_once(names: Iterable[str], found: Iterable[tuple[str, NamedValue]]) ->
 
 
 class _File(TomlTable):
-    scenario: _Keys
+    scenario: ScenarioKeys
     expect: Expectation = Field(default_factory=Expectation)
 
 

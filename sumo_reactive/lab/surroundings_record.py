@@ -21,9 +21,32 @@ SURROUNDINGS_VERSION = 1
 """Of both files; another release may write another."""
 
 USERS, SURROUNDINGS = "users.parquet", "surroundings.json"
-USER_NUMBERS = ("time_s", "x_m", "y_m", "heading_rad", "speed_m_s", "length_m", "width_m")
-"""Columns of USERS beside `user`: everybody whom the driver looked at in a step, and all within 40 m, the middle of the
-front bumper."""
+USER_MEANINGS = {
+    "time_s": "simulation time at the end of the step",
+    "user": "id of the road user",
+    "x_m": "centre of his front bumper",
+    "y_m": "centre of his front bumper",
+    "heading_rad": "counter-clockwise from the x axis",
+    "speed_m_s": "his speed",
+    "length_m": "his length",
+    "width_m": "his width",
+}
+"""Columns of USERS: everybody whom the driver looked at in a step, and all within 40 m."""
+
+USER_NUMBERS = tuple(name for name in USER_MEANINGS if name != "user")
+"""Those that are numbers."""
+
+SURROUNDINGS_MEANINGS = {
+    "version": "of this file and of `users.parquet`",
+    "lanes": "outline of each lane within 200 m of the way driven, by id: points [x, y], m",
+    "inside": "the same of lanes inside junctions",
+    "lights": "[light, index of its letter, x, y, heading of the stop line, lane's width]: m, rad",
+    "letters": "[time from when on, letters by light]: s",
+    "curves": "[time from when on, points [x, y] of C]: s, m",
+    "constraints": "[time from when on, places to stop at: [x, y, until when (null: for good), reason, cause]]: s, m",
+    "fields": "[time of a decision, accelerations, steering rates, U by both (null: not admissible)]: s, m/s², rad/s",
+}
+"""Keys of SURROUNDINGS."""
 
 KEPT_STEP_M = 2.0
 NEAR_THE_WAY_M = 200.0

@@ -28,12 +28,16 @@ class Task:
 
 
 class Ending(Enum):
-    """How a trial ended: judged, refused or failed in one line, by a crash, or over its limit of wall-clock time."""
+    """How a trial ended."""
 
     DONE = "done"
+    """It came to a result, whatever that is."""
     FAILED = "failed"
+    """It was refused, or failed: one line tells why."""
     CRASHED = "crashed"
+    """Its process died or held too much memory."""
     TIMEOUT = "timeout"
+    """It took more wall-clock time than it may."""
 
 
 @dataclass(frozen=True, kw_only=True)

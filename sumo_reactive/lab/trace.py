@@ -49,7 +49,9 @@ class EventKeys(NounKeys):
 
     noun = Event
     kind: EventKind = Field(alias="event")
+    """What happened."""
     cause: str
+    """The road user, light or place behind it; empty: the ego."""
 
 
 class EncounterKeys(NounKeys):
@@ -57,10 +59,15 @@ class EncounterKeys(NounKeys):
 
     noun = Encounter
     user_id: str = Field(alias="user")
+    """Whom."""
     time: Measure = Field(alias="time_s")
+    """When: simulation time."""
     s: Measure = Field(alias="s_m")
+    """Where: the front bumper along C."""
     x: Measure = Field(alias="x_m")
+    """Where."""
     y: Measure = Field(alias="y_m")
+    """Where."""
 
 
 class AssessmentKeys(NounKeys):
@@ -68,9 +75,13 @@ class AssessmentKeys(NounKeys):
 
     noun = Assessment
     outcome: PlanOutcome
+    """How it would have ended."""
     lateness: Measure = Field(alias="lateness_s")
+    """How late the ego would have been for a time constraint."""
     constraint: Measure = Field(alias="constraint_m")
+    """The place of that along C."""
     encounter: EncounterKeys | None
+    """Whom it would have touched; null: nobody."""
 
 
 class DecisionKeys(NounKeys):
@@ -78,11 +89,17 @@ class DecisionKeys(NounKeys):
 
     noun = Decision
     behaviour: Behaviour
+    """What the ego does."""
     reason: Reason
+    """Why."""
     region: str
+    """Where: a conflict region, connection or lane."""
     cause: str
+    """The road user, light or place behind it."""
     passes: bool
+    """Whether the ego goes on, or waits."""
     figures: dict[str, Measure]
+    """The numbers that it rests on, by name; null: there is none."""
 
     @field_validator("figures")
     @classmethod
@@ -98,8 +115,11 @@ class RegionKeys(NounKeys):
 
     noun = RegionState
     region: str
+    """A conflict region on the ego's way."""
     occupancy: Occupancy = Field(alias="state")
+    """Whether it is free."""
     user_id: str = Field(alias="user")
+    """Who claims or occupies it."""
 
 
 class Entry(NamedTuple):
@@ -124,14 +144,23 @@ class EntryKeys(NounKeys):
 
     noun = Entry
     time: Number = Field(alias="time_s")
+    """Simulation time from when on it is in force."""
     events: tuple[EventKeys, ...]
+    """What activated the pilot last."""
     assessment: AssessmentKeys
+    """What going on would have led to."""
     behaviour: Behaviour
+    """What the ego is doing."""
     instruction: Instruction
+    """What the executor is told."""
     decisions: tuple[DecisionKeys, ...]
+    """What it was decided on."""
     regions: tuple[RegionKeys, ...]
+    """Who holds the conflict regions ahead."""
     emergency: bool = False
+    """An emergency began here; absent: none did."""
     hazard: str = ""
+    """What that is for; absent: none began."""
 
 
 _KEYS: dict[type, type[NounKeys]] = {

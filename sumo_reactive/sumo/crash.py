@@ -16,12 +16,15 @@ import numpy as np
 from numba import types
 
 from sumo_reactive.driver.compilation import callback
+from sumo_reactive.errors import ExitCode
 
 _NAMES = ("SIGSEGV", "SIGABRT", "SIGBUS", "SIGFPE", "SIGILL")
 DEADLY = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
 """Signals that a fault in native code raises."""
 
-EXIT_CODE = 3
+EXIT_CODE = int(ExitCode.SUMO_FAILED)
+"""As compiled code has it."""
+
 _DIED = "sumo-reactive: SUMO died of {}: a fault of SUMO's that this input brings out, nothing is written\n"
 _LINES = {int(one): np.frombuffer(_DIED.format(one.name).encode(), dtype=np.uint8) for one in DEADLY}
 _WIDTH = max((line.size for line in _LINES.values()), default=1)
@@ -46,7 +49,7 @@ def _told(number):  # type: ignore[no-untyped-def]
 
 @contextlib.contextmanager
 def crashes_told() -> Iterator[None]:
-    """While this lasts, a fault in native code ends the process with one line on standard error and exit code 3."""
+    """While this lasts, a fault in native code ends the process with one line on standard error and that exit code."""
     if os.name != "posix":
         yield
         return

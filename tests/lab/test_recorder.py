@@ -123,6 +123,19 @@ def test_a_run_without_steps_can_be_recorded(tmp_path):
     assert duckdb.read_parquet(str(tmp_path / "out" / "trajectory.parquet")).fetchall() == []
 
 
+@pytest.mark.parametrize("name", ["trajectory", "encounters", "users"])
+def test_a_column_has_the_same_type_whether_its_driver_has_it_or_not(tmp_path, name):
+    recorded(tmp_path / "ours")
+    Recorder(tmp_path / "none").write(result(arrived=False))
+    plain = Recorder(tmp_path / "plain")
+    plain.see(Scene(StepRecord(0.1, 1.0, 2.0, 0.0, 3.0, "a_0"), ()))
+    plain.write(result())
+    files = [str(tmp_path / folder / f"{name}.parquet") for folder in ("ours", "none", "plain")]
+    ours, none, plain = ([(one[0], one[1]) for one in duckdb.sql(f"DESCRIBE FROM '{file}'").fetchall()] for file in files)
+    assert ours == none == plain
+    assert "NULL" not in str(ours)
+
+
 def test_another_run_is_kept_unless_overwriting_is_asked_for(tmp_path):
     recorded(tmp_path / "out")
     (tmp_path / "out" / "tripinfo.xml").touch()

@@ -47,8 +47,7 @@ def _walked(
 
 
 def _against(conflict: Conflict, plan: NominalPlan, number: int, limits: VehicleLimits) -> Conflict:
-    """Return a conflict with whether somebody like the ego, who waits for it where the map says, stands in its corridor along
-    C."""
+    """Return a conflict with whether somebody like the ego, who waits for it where the map says, stands in its corridor."""
     wait, path, curve, passage = conflict.other.wait_at, conflict.other.path, plan.curve, plan.passages[number]
     if wait is None or not conflict.is_yielded_to:
         return conflict

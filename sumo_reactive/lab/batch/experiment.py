@@ -40,17 +40,29 @@ class ExperimentKeys(TomlTable):
     """The table `[experiment]`."""
 
     scenarios: list[str] = Field(min_length=1)
+    """Scenario files and SUMO configurations, beside this file."""
     seeds: list[Seed] | None = Field(default=None, min_length=1)
+    """Seeds of every scenario; else each scenario's own."""
     drivers: list[DriverName] = Field(default=[REACTIVE_NAME, SUMO_NAME], min_length=1)
+    """Who drives each trip in turn, as `driver` of a scenario names them."""
     metrics: list[str] = Field(default=["arrived", "collisions", "violations", "duration_s", "time_loss_s"])
+    """What `results` shows, metrics of your own as `module:function` among them; all are stored."""
     store: str | None = None
+    """The store; else beside this file, with its name and `.duckdb`."""
     step_length_s: float | None = Field(default=None, gt=0.0, le=1.0)
+    """Simulation step, s; else each scenario's own."""
     until_s: float | None = Field(default=None, gt=0.0)
+    """Trials end at this simulation time at the latest, s; else each scenario's own."""
     horizon_s: float | None = Field(default=None, gt=0.0)
+    """Trials end this long after the ego's departure at the latest, s."""
     profile: Profile | None = Field(default=None, strict=False)
+    """As in a scenario; else each scenario's own."""
     delays: Delays | None = Field(default=None, strict=False)
+    """As in a scenario; else each scenario's own."""
     wall_limit_s: float = Field(default=600.0, gt=0.0)
+    """Wall-clock time that a trial may take, s."""
     retries: int = Field(default=1, ge=0)
+    """A trial that crashed or took too long is tried so many times again."""
 
     @field_validator("scenarios", "seeds", "drivers", "metrics")
     @classmethod
@@ -75,19 +87,28 @@ class EgoKeys(TomlTable):
     are egos at once."""
 
     names: list[str] | dict[str, list[str]] | None = Field(default=None)
+    """Ids of egos, for every scenario or in a table by scenario; else each scenario's own ego."""
     drawn: int | None = Field(default=None, ge=1)
+    """So many trips are drawn as egos, one a trial, in place of `names`."""
     share: list[_Share] | None = Field(default=None, min_length=1)
+    """Shares of all road cars that are egos at once, a trial each, in place of `names` and `drawn`."""
     seed: Seed = 0
+    """Seed of the draw."""
     min_length_m: float = Field(default=0.0, ge=0.0)
+    """Trips drawn are at least so long, m."""
     warm_up_s: float = Field(default=0.0, ge=0.0)
+    """Trips drawn depart at least so long after the scenario's begin, s."""
 
 
 class SampleKeys(TomlTable):
     """The table `[samples]`: `count` points drawn evenly from the ranges [low, high] of `parameters`."""
 
     count: int = Field(ge=1)
+    """How many points."""
     seed: Seed = 0
+    """Seed of the draw."""
     parameters: dict[str, list[float]] = Field(min_length=1)
+    """The range [low, high] of each parameter, by name."""
 
     @field_validator("parameters")
     @classmethod
@@ -102,12 +123,19 @@ class ExperimentFile(TomlTable):
     """All tables: values of `parameters` and `options` that are lists make a grid; `driver_options` are by driver."""
 
     experiment: ExperimentKeys
+    """What is run."""
     egos: EgoKeys = Field(default_factory=EgoKeys)
+    """Who is driven."""
     parameters: dict[str, float | list[float]] = Field(default_factory=dict)
+    """Values of the driver's parameters by name; lists make a grid."""
     samples: SampleKeys | None = None
+    """Points drawn from ranges of parameters, each with every point of the grid."""
     options: dict[str, Word | list[Word]] = Field(default_factory=dict)
+    """Values of SUMO's options by name; lists make a grid."""
     driver_options: dict[str, dict[str, DriverOption]] = Field(default_factory=dict)
+    """What drivers of yours get, a table a driver."""
     network: NetworkKeys = Field(default_factory=NetworkKeys)
+    """What is counted in the network of a run with a share of egos."""
 
     @field_validator("parameters")
     @classmethod

@@ -28,8 +28,11 @@ class NetworkKeys(TomlTable):
     """The table: edges by the name of their group or cut, each counted in those scenarios whose network has them."""
 
     interval_s: float = Field(default=DEFAULT_INTERVAL_S, ge=LEAST_INTERVAL_S, le=LONGEST_INTERVAL_S)
+    """How long each point of the fundamental diagram is counted, s."""
     groups: dict[Label, Edges] = Field(default_factory=dict)
+    """Edges counted together, by the group's name; without any, each class of road is one."""
     cuts: dict[Label, Edges] = Field(default_factory=dict)
+    """Edges whose vehicles are counted in the middle, by the cut's name: the metric `cut_<name>_per_h`."""
 
     @field_validator("groups", "cuts")
     @classmethod

@@ -21,21 +21,66 @@ from sumo_reactive.lab.trace import line_of
 VERSION = 2
 """Version of the tables below; a store of another is refused."""
 
-_TABLES = """
-CREATE TABLE store (version INTEGER);
-CREATE TABLE plan (key VARCHAR PRIMARY KEY, number INTEGER);
-CREATE TABLE shown (name VARCHAR, number INTEGER);
-CREATE TABLE trials (
-    key VARCHAR PRIMARY KEY, scenario VARCHAR, ego VARCHAR, seed INTEGER, driver VARCHAR, parameters JSON, options JSON,
-    ending VARCHAR, reason VARCHAR, verdict VARCHAR, attempts INTEGER, departure_s DOUBLE, wall_s DOUBLE,
-    trajectory VARCHAR, replay VARCHAR, versions JSON, finished TIMESTAMP
+STORE_TABLES = """
+CREATE TABLE store ( -- the store itself: one row
+    version INTEGER -- of these tables
 );
-CREATE TABLE metrics (key VARCHAR, name VARCHAR, value DOUBLE, PRIMARY KEY (key, name));
-CREATE TABLE events (key VARCHAR, time_s DOUBLE, kind VARCHAR, user_id VARCHAR, lane_id VARCHAR, entry JSON);
-CREATE TABLE diagram (
-    key VARCHAR, edges VARCHAR, begin_s DOUBLE, end_s DOUBLE, flow_per_h DOUBLE, density_per_km DOUBLE, speed_m_s DOUBLE
+CREATE TABLE plan ( -- the trials of the experiment as it was run last
+    key VARCHAR PRIMARY KEY, -- of the trial
+    number INTEGER -- its place in the experiment, from 0
 );
-CREATE TABLE departures (scouting VARCHAR, vehicle_id VARCHAR, depart_s DOUBLE, length_m DOUBLE);
+CREATE TABLE shown ( -- the metrics that `results` shows unasked
+    name VARCHAR, -- key of the metric
+    number INTEGER -- its place among them, from 0
+);
+CREATE TABLE trials ( -- a row a trial that has ended
+    key VARCHAR PRIMARY KEY, -- digest of all that its numbers depend on
+    scenario VARCHAR, -- as the experiment names it
+    ego VARCHAR, -- the vehicle driven; empty: a share of all cars
+    seed INTEGER, -- seed of the random numbers
+    driver VARCHAR, -- who drove
+    parameters JSON, -- parameters that vary, by name
+    options JSON, -- SUMO options that vary, by name
+    ending VARCHAR, -- done, failed, crashed or timeout
+    reason VARCHAR, -- why there is no result; empty: there is one
+    verdict VARCHAR, -- what it came to, in a line; NULL: to no result
+    attempts INTEGER, -- how often it was tried
+    departure_s DOUBLE, -- simulation time at which the ego departed
+    wall_s DOUBLE, -- wall-clock time
+    trajectory VARCHAR, -- digest of all its steps; empty: no result
+    replay VARCHAR, -- the command that repeats it
+    versions JSON, -- of this package, SUMO and libraries, and a digest of the sources
+    finished TIMESTAMP -- when it was stored
+);
+CREATE TABLE metrics ( -- a row a trial and metric
+    key VARCHAR, -- of the trial
+    name VARCHAR, -- key of the metric
+    value DOUBLE, -- in the unit that the name ends in; NULL: there is none
+    PRIMARY KEY (key, name)
+);
+CREATE TABLE events ( -- faults, emergencies and decisions
+    key VARCHAR, -- of the trial
+    time_s DOUBLE, -- simulation time
+    kind VARCHAR, -- emergency, decision, or the kind of a fault
+    user_id VARCHAR, -- whom it concerns; empty: nobody
+    lane_id VARCHAR, -- lane of the ego at a fault
+    entry JSON -- of a decision or an emergency: a line as in `decisions.jsonl`
+);
+CREATE TABLE departures ( -- trips that a run of SUMO alone has found, to draw egos from
+    scouting VARCHAR, -- digest of that run
+    vehicle_id VARCHAR, -- who drove it
+    depart_s DOUBLE, -- simulation time at which it began
+    length_m DOUBLE -- how long it was
+);
+CREATE TABLE diagram ( -- points of the fundamental diagram of a run with a share of egos
+    key VARCHAR, -- of the trial
+    edges VARCHAR, -- group of edges
+    begin_s DOUBLE, -- simulation time at which the interval begins
+    end_s DOUBLE, -- simulation time at which it ends
+    flow_per_h DOUBLE, -- vehicles an hour and lane
+    density_per_km DOUBLE, -- vehicles a kilometre of lane
+    speed_m_s DOUBLE -- mean speed over the way driven
+);
 """
 
 MAX_LETTERS = 100_000
@@ -123,7 +168,7 @@ def _connected(path: Path, *, read_only: bool, files: Sequence[str] = ()) -> duc
         with told(path):
             _require_no_code(path, database)
             if is_new or (not read_only and not database.execute(_SHAPE).fetchall()):
-                database.execute(f"BEGIN; {_TABLES} INSERT INTO store VALUES ({VERSION}); COMMIT")
+                database.execute(f"BEGIN; {STORE_TABLES} INSERT INTO store VALUES ({VERSION}); COMMIT")
             _require_version(path, database)
             _require_tables(path, database)
             _require_values(path, database)
@@ -178,7 +223,7 @@ def _require_version(path: Path, database: duckdb.DuckDBPyConnection) -> None:
 
 def _require_tables(path: Path, database: duckdb.DuckDBPyConnection) -> None:
     with duckdb.connect() as fresh:
-        wanted = dict(fresh.execute(f"{_TABLES} {_SHAPE}").fetchall())
+        wanted = dict(fresh.execute(f"{STORE_TABLES} {_SHAPE}").fetchall())
     found = dict(database.execute(_SHAPE).fetchall())
     for name, columns in wanted.items():
         if name not in found:

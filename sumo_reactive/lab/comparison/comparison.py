@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from sumo_reactive.errors import ScenarioError
+from sumo_reactive.errors import ExitCode, ScenarioError
 from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
 from sumo_reactive.lab.comparison.statistics import PairedDifference, paired_difference
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO, DriverChoice
@@ -139,7 +139,7 @@ class Comparison:
     @property
     def exit_code(self) -> int:
         """0: both drivers have driven every trip; else 1."""
-        return 1 if self.failed else 0
+        return ExitCode.WANTING if self.failed else ExitCode.DONE
 
 
 def compare(

@@ -18,8 +18,29 @@ from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
-CSV_COLUMNS = ("scenario", "ego", "seed", "metric", "sumo", "compared")
-"""Columns of `comparison.csv` beside that of the driver that is compared, which has its name."""
+JSON_MEANINGS = {
+    "confidence": "of the intervals, 0 to 1",
+    "resamples": "of the bootstrap",
+    "horizon_s": "runs end this long after the ego's departure",
+    "pairs_driven": "pairs in which both runs got to an end",
+    "drivers": "SUMO's own, and the one that is compared",
+    "metrics": "of each metric by key: n, both means, their paired difference, `low` and `high` of its interval, its method",
+    "pairs": "of each pair: scenario, ego, seed, both runs with the commands that repeat them, values of each metric",
+    "versions": "of this package, SUMO and the libraries that numbers depend on",
+}
+"""Keys of `comparison.json`."""
+
+CSV_MEANINGS = {
+    "scenario": "the scenario's file",
+    "ego": "the vehicle driven",
+    "seed": "seed of both runs",
+    "metric": "key of the metric",
+    "sumo": "its value with SUMO's own driver; empty: none",
+    "compared": "1: this value of the pair counts in the comparison, 0: it does not",
+}
+"""Columns of `comparison.csv` beside that of the driver that is compared, which has its name and stands before the last."""
+
+CSV_COLUMNS = tuple(CSV_MEANINGS)
 
 MOST_CSV_BYTES = 2**26
 """More is no comparison that anybody has driven: 64 MB hold 20,000 pairs."""

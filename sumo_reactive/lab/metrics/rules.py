@@ -14,7 +14,7 @@ from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
-from sumo_reactive.lab.fault import Fault
+from sumo_reactive.lab.fault import RED_LIGHT_RUN, RIGHT_OF_WAY_TAKEN, Fault
 from sumo_reactive.lab.metrics.moment import Figures, Moment
 
 NO_GO = frozenset("rRu")
@@ -38,7 +38,7 @@ class RedLights:
         if self._before and lane == self._before:
             self.faults.pop()
         if moment.crossed and NO_GO.issuperset(moment.crossed):
-            self.faults.append(Fault(moment.step.time, "red light run", "", lane))
+            self.faults.append(Fault(moment.step.time, RED_LIGHT_RUN, "", lane))
             self._before = self._lane
         elif lane != self._lane:
             self._before = ""
@@ -183,7 +183,7 @@ class RightOfWayViolations:
         for region, other in _lost(graph, own):
             if _claims(graph, other, region, user) and _covers(moment, region.polygon):
                 self._obstructed.add(user.id)
-                fault = Fault(moment.step.time, "right of way taken", user.id, moment.step.lane_id)
+                fault = Fault(moment.step.time, RIGHT_OF_WAY_TAKEN, user.id, moment.step.lane_id)
                 if is_certain:
                     self._found.append(fault)
                 else:

@@ -19,6 +19,26 @@ from sumo_reactive.lab.metrics.safety.rss import RSS, lateral_distance, longitud
 Columns = Mapping[str, NDArray[Any]]
 """Arrays of one length by name, units in the names."""
 
+ENCOUNTER_MEANINGS = {
+    "time_s": "simulation time at the end of the step",
+    "user_id": "id of the other",
+    "relation": "how he meets the ego: ahead, behind, beside or otherwise",
+    "gap_m": "room along the way between both bodies, of who is ahead or behind",
+    "lateral_gap_m": "room to the side between both bodies",
+    "ego_speed_m_s": "speed along the way",
+    "user_speed_m_s": "speed along the way",
+    "time_to_collision_s": "until the bodies touch in the plane if both keep their velocities; below 10 s",
+    "ttc_along_s": "the same along the way, of who is ahead or behind, as are the next five",
+    "modified_ttc_s": "if both keep their accelerations",
+    "drac_m_s2": "deceleration that avoids a crash",
+    "mdrac_m_s2": "the same after a reaction time of 1 s; 99: nothing is enough",
+    "dst_m_s2": "deceleration that keeps 1 s to the one ahead",
+    "time_headway_s": "front to front",
+    "rss_distance_m": "what RSS asks for: along the way, of who is beside to the side",
+    "rss_margin_m": "what there is, less that",
+}
+"""Columns of an encounter's row; NULL where a pair has no such measure."""
+
 
 def following_columns(pairs: Pairs) -> dict[str, Floats]:
     """Return the measures of pairs of which one follows the other (NaN: there is none)."""

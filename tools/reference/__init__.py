@@ -1,0 +1,1 @@
+"""What the pages of reference are made from, a kind of source a file."""
