@@ -10,12 +10,14 @@ from pydantic import BaseModel
 
 from reference.markdown import page, said_below, table
 from sumo_reactive.lab.batch.experiment import EgoKeys, ExperimentFile, ExperimentKeys, SampleKeys
+from sumo_reactive.lab.batch.network_keys import NetworkKeys
 from sumo_reactive.lab.scenario import Expectation, Limit, ScenarioKeys
 
 MODELS: Mapping[str, Mapping[str, type[BaseModel]]] = {
     "Scenario files": {"[scenario]": ScenarioKeys, "[expect]": Expectation, "[expect.metrics] NAME = { … }": Limit},
     "Experiment files": {
-        "[experiment]": ExperimentKeys, "[egos]": EgoKeys, "[samples]": SampleKeys, "All tables": ExperimentFile,
+        "[experiment]": ExperimentKeys, "[egos]": EgoKeys, "[samples]": SampleKeys, "[network]": NetworkKeys,
+        "All tables": ExperimentFile,
     },
 }  # fmt: skip
 

@@ -79,7 +79,7 @@ CREATE TABLE diagram ( -- points of the fundamental diagram of a run with a shar
     end_s DOUBLE, -- simulation time at which it ends
     flow_per_h DOUBLE, -- vehicles an hour and lane
     density_per_km DOUBLE, -- vehicles a kilometre of lane
-    speed_m_s DOUBLE -- mean speed over the way driven
+    speed_m_s DOUBLE -- way driven over the time that it took
 );
 """
 
