@@ -165,7 +165,7 @@ NETWORK: Mapping[str, Metric] = _by_key(
     Metric("egos_arrived", "egos arrived", "", "by the end of the run", None),
     Metric("egos_mean_duration_s", "egos' mean duration", "s", "mean of those who arrived", 1),
     Metric("egos_mean_time_loss_s", "egos' mean time loss", "s", "mean of those who arrived", 1),
-    Metric("egos_collisions", "egos' collisions", "", "contacts of an ego's box with another", None, "ego's collision"),
+    Metric("egos_collisions", "egos' collisions", "", "contacts of egos with others, each once", None, "ego's collision"),
     Metric("egos_violations", "egos' violations", "", "red lights run and rights of way taken", None, "ego's violation"),
     Metric("egos_hard_braking_caused", "egos' hard brakings caused", "", "by all egos, of vehicles behind them", None),
     Metric("egos_near_misses_by_ttc", "egos' near misses by TTC", "", "by all egos: time to collision below 1.5 s", None),

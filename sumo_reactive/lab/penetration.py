@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -73,7 +74,7 @@ def _of_egos(fleet: FleetResult) -> dict[str, float | None]:
         "egos_arrived": len(arrived),
         "egos_mean_duration_s": mean([one.duration_s for one in arrived]),
         "egos_mean_time_loss_s": mean([one.time_loss_s for one in arrived]),
-        "egos_collisions": sum(len(one.collisions) for one in fleet.results),
+        "egos_collisions": contact_count(fleet.results),
         "egos_violations": sum(len(one.violations) for one in fleet.results),
         "egos_hard_braking_caused": sum(len(one.hard_brakes) for one in fleet.results),
         **_near_misses(fleet.results),
@@ -89,6 +90,18 @@ def _near_misses(egos: Sequence[TrialResult]) -> dict[str, float | None]:
         "egos_near_misses_by_pet": by_pet,
         "egos_near_misses_per_km": round((by_ttc + by_pet) / way_km, 4) if way_km > 0.0 else None,
     }
+
+
+def contact_count(results: Sequence[TrialResult]) -> int:
+    """Return how many contacts the egos had, each once: of two egos that touch, either finds the same contact.
+
+    Of a pair the larger of both counts is taken: who has arrived, or is judged a step later, may miss one.
+    """
+    found = Counter((one.ego, fault.user_id) for one in results for fault in one.collisions)
+    pairs: dict[frozenset[str], int] = {}
+    for pair, count in found.items():
+        pairs[frozenset(pair)] = max(count, pairs.get(frozenset(pair), 0))
+    return sum(pairs.values())
 
 
 def _faults(results: Sequence[TrialResult]) -> tuple[Fault, ...]:

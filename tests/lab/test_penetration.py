@@ -5,11 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from sumo_reactive.lab import penetration
+from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
 from sumo_reactive.lab.metric_names import NETWORK
-from sumo_reactive.lab.penetration import run_share
+from sumo_reactive.lab.penetration import contact_count, run_share
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Task
+from tests.helpers.results import result
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "right_before_left.toml"
 UNTIL_S = 40.0
@@ -37,6 +40,49 @@ def test_a_higher_share_adds_egos_to_the_same_traffic(runs):
     assert egos[0] == 0 < egos[1] < egos[2]
     assert len({run["network"].metrics["network_vehicles"] for run in runs.values()}) == 1
     assert egos[2] == runs[1.0]["network"].metrics["network_vehicles"]
+
+
+def test_a_higher_share_keeps_every_ego_of_a_lower_one(monkeypatch):
+    egos, run_fleet = [], penetration.run_fleet
+
+    def noted(*asked, **options):
+        fleet = run_fleet(*asked, **options)
+        egos.append({one.ego for one in fleet.results})
+        return fleet
+
+    monkeypatch.setattr(penetration, "run_fleet", noted)
+    for share in (0.2, 0.5, 1.0):
+        shared(share)
+    few, half, every = egos
+    assert set() < few < half < every
+
+
+def touching(ego, *others):
+    """The result of an ego that touched others, one after the other."""
+    faults = tuple(Fault(float(k), COLLISION, other, "lane") for k, other in enumerate(others))
+    return result(ego=ego, faults=faults)
+
+
+def test_a_contact_between_two_egos_counts_once():
+    assert contact_count([touching("a", "b"), touching("b", "a")]) == 1
+    assert contact_count([touching("a", "b", "b"), touching("b", "a", "a")]) == 2
+    assert contact_count([touching("a", "b"), touching("b")]) == contact_count([touching("a"), touching("b", "a")]) == 1
+
+
+def test_contacts_with_others_than_egos_count_each():
+    assert contact_count([touching("a", "x", "b"), touching("b", "x", "a")]) == 3
+    assert contact_count([touching("a"), touching("b")]) == contact_count([]) == 0
+
+
+def test_the_contacts_of_egos_are_counted_once_in_the_figures_of_a_network(monkeypatch):
+    run_fleet = penetration.run_fleet
+
+    def bumped(*asked, **options):
+        fleet = run_fleet(*asked, **options)
+        return replace(fleet, results=(touching("a", "b"), touching("b", "a")))
+
+    monkeypatch.setattr(penetration, "run_fleet", bumped)
+    assert shared(0.0)["network"].metrics["egos_collisions"] == 1
 
 
 def test_what_nobody_has_is_none_and_what_all_have_is_not(runs):
