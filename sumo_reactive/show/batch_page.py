@@ -21,7 +21,8 @@ _Names = Mapping[str, str]  # a short name for each scenario
 _MEANS = "Mean over the trials that have the figure, with its bootstrap interval at 95 %."
 _DIFFERENCES = (
     "This driver − SUMO's own, same trip, same seed; bootstrap intervals of the mean difference at 95 %, in bold where they "
-    "leave out zero. Only trips that both have finished count, except for arrivals and collisions."
+    "leave out zero. Only trips that both have finished count, except for arrivals, collisions and "
+    "what is measured of others."
 )
 _TOO_FEW = f" Of fewer than {FEW} pairs such intervals tend to be too narrow."
 _COUNTS = "Each value of a count, and in brackets how many trials had it:"

@@ -25,7 +25,7 @@ def comparison_page(folder: Path) -> str:
     differing = [name for name in _METRICS if any(_is_different(pair.of(name)) for pair in pairs)]
     sections = (
         Section("differences", "Against SUMO's own driver", list(differences_table(pairs, _METRICS, names))),
-        Section("trips", "Each trip", list(_trips(pairs, differing, names))),
+        Section("trips", "Differences of each trip", list(_trips(pairs, differing, names))),
         Section("pairs", "Trip by trip", list(scatters(pairs, differing, names))),
         Section("worst", "Worst trials", list(worst_table(worst_of(trials, pairs), names, are_told=False))),
     )
