@@ -25,6 +25,16 @@ _COMPILING_ALWAYS = (
     "compiling the kernels (about 20 s), for this run alone: others can write to what leads to XDG_CACHE_HOME or ~/.cache…"
 )
 
+JOBS = ("--jobs", "-j", "--workers")
+"""What every command calls the number of processes that it may start."""
+
+_MAX_SEED = 2**31 - 1
+
+SeedsOption = Annotated[
+    list[str] | None, typer.Option("--seed", metavar="N", help="a number or a range as 1-10, repeatable")
+]
+"""The option `--seed` of a command that drives a trip with several."""
+
 ParameterOption = Annotated[
     list[str] | None, typer.Option(metavar="NAME=VALUE", help="another value for a parameter of the driver (repeatable)")
 ]
@@ -80,6 +90,25 @@ def drivers_named(names: Sequence[str], said: Sequence[str]) -> list[DriverChoic
     if options and not set(names) - set(built_in):
         raise typer.BadParameter("--driver-option: there is no --driver of the user's that takes it")
     return [chosen_driver(name, {} if name in built_in else options, Path.cwd()) for name in names]
+
+
+def seeds_named(said: Sequence[str]) -> list[int]:
+    """Return the seeds that the command line names, each once."""
+    seeds = [seed for text in said for seed in _seeds(text)]
+    if len(set(seeds)) < len(seeds):
+        raise typer.BadParameter("--seed: a value is given twice")
+    return seeds
+
+
+def _seeds(text: str) -> range:
+    """Return the seeds that a number or a range stands for."""
+    first, is_range, last = text.partition("-")
+    if not first.isdecimal() or (is_range and not last.isdecimal()):
+        raise typer.BadParameter(f"--seed: '{text}' is neither a whole number nor a range such as 1-10")
+    seeds = range(int(first), int(last if is_range else first) + 1)
+    if not seeds or seeds[-1] > _MAX_SEED:
+        raise typer.BadParameter(f"--seed: '{text}' is empty or goes beyond {_MAX_SEED}")
+    return seeds
 
 
 def _driver_option(text: str) -> tuple[str, DriverOption]:

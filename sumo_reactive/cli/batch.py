@@ -30,7 +30,9 @@ _FAILURES_SHOWN = 8
 @app.command(epilog="Example: sumo-reactive batch EXPERIMENT.toml --workers 4")
 def batch(
     file: Annotated[Path, typer.Argument(metavar="EXPERIMENT.toml", help="the experiment file")],
-    workers: Annotated[int | None, typer.Option(min=1, help="processes on this machine; else one a core")] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", "--jobs", "-j", min=1, help="processes on this machine; else one a core")
+    ] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="a dask scheduler that runs already")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="list the trials and run none")] = False,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="run trials again that came to no result")] = False,

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import DRIVER_HELP, DriverOptions, app, drivers_named, note_compiling
+from sumo_reactive.cli.app import (
+    DRIVER_HELP,
+    JOBS,
+    DriverOptions,
+    SeedsOption,
+    app,
+    drivers_named,
+    note_compiling,
+    seeds_named,
+)
 from sumo_reactive.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -18,18 +27,20 @@ if TYPE_CHECKING:
 def check(
     paths: Annotated[list[Path], typer.Argument(metavar="PATH...", help="scenario .toml files, or folders that hold some")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="write the verdicts as JUnit XML")] = None,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="processes to run at the same time")] = 1,
+    jobs: Annotated[int, typer.Option(*JOBS, min=1, metavar="N", help="processes to run at the same time")] = 1,
+    seed: SeedsOption = None,
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a case may take, s")] = 600.0,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="keep record and page of what was not met there")] = None,
     driver: Annotated[list[str] | None, typer.Option(help=f"{DRIVER_HELP} (repeatable); else as the file says")] = None,
     driver_option: DriverOptions = None,
 ) -> int:
-    """Run every scenario with every seed it names, and tell what of its expectations was not met."""
+    """Run every scenario with every seed it names, or those given, and tell what of its expectations was not met."""
     from sumo_reactive.lab.check import cases_of, run_cases
     from sumo_reactive.lab.discovery import scenario_files
 
     drivers = drivers_named(driver or [], driver_option or [])
-    cases = [case for file in scenario_files(paths) for case in cases_of(file, drivers)]
+    seeds = seeds_named(seed or [])
+    cases = [case for file in scenario_files(paths) for case in cases_of(file, drivers, seeds)]
     for target in (junit, out):
         if target is not None:
             from sumo_reactive.writing import require_writable

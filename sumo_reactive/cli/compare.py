@@ -15,13 +15,16 @@ import typer
 
 from sumo_reactive.cli.app import (
     DRIVER_HELP,
+    JOBS,
     DriverOptions,
     ParameterOption,
+    SeedsOption,
     app,
     drivers_named,
     figures_kept,
     note_compiling,
     parameters_with,
+    seeds_named,
     show_table,
     status_shown,
     with_options,
@@ -35,9 +38,6 @@ if TYPE_CHECKING:
 _HORIZON_S = 600.0
 """Ten minutes: most trips in a town are over, and a jam that one car has caused is gone or has shown."""
 
-_MAX_SEED = 2**31 - 1
-
-
 _EXAMPLE = "Example: sumo-reactive compare my.sumocfg --ego veh_12 --out DIR"
 
 
@@ -46,7 +46,7 @@ def compare_drivers(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
     ego: Annotated[list[str] | None, typer.Option(help="vehicle to drive, repeatable; else as for 'run'")] = None,
-    seed: Annotated[list[str] | None, typer.Option(metavar="N", help="a number or a range as 1-10, repeatable")] = None,
+    seed: SeedsOption = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     until: Annotated[float | None, typer.Option(help="end both runs at this simulation time, s")] = None,
     parameter: ParameterOption = None,
@@ -55,7 +55,7 @@ def compare_drivers(
     horizon: Annotated[
         float, typer.Option(min=1.0, help="end both runs this long after the ego's departure, s")
     ] = _HORIZON_S,
-    jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help="runs at a time; else cores")] = None,
+    jobs: Annotated[int | None, typer.Option(*JOBS, min=1, metavar="N", help="runs at a time; else cores")] = None,
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a run may take, s")] = 3600.0,
     out: Annotated[Path | None, typer.Option(help="folder for comparison.json and comparison.csv")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another comparison in that folder")] = False,
@@ -65,7 +65,7 @@ def compare_drivers(
     from sumo_reactive.lab.comparison.comparison import compare
     from sumo_reactive.lab.comparison.record import write
 
-    scenarios = _scenarios(config, ego or [], [number for text in seed or [] for number in _seeds(text)])
+    scenarios = _scenarios(config, ego or [], seeds_named(seed or []))
     options = {"step_length_s": step_length, "until_s": until, "sumo_options": tuple(context.obj or ())}
     scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in scenarios]
     drivers = _challengers(scenarios[0], driver or [], driver_option or [])
@@ -127,9 +127,8 @@ def _scenarios(config: Path, egos: Sequence[str], seeds: Sequence[int]) -> list[
     """Return a scenario for each ego and seed; what the command line leaves out is as the file says."""
     from sumo_reactive.lab.scenario import load_scenario, load_scenario_file
 
-    for option, values in (("--ego", egos), ("--seed", seeds)):
-        if len(set(values)) < len(values):
-            raise typer.BadParameter(f"{option}: a value is given twice")
+    if len(set(egos)) < len(egos):
+        raise typer.BadParameter("--ego: a value is given twice")
     if config.suffix == ".toml":
         file = load_scenario_file(config)
         scenario, own_seeds = file.scenario, file.seeds
@@ -138,17 +137,6 @@ def _scenarios(config: Path, egos: Sequence[str], seeds: Sequence[int]) -> list[
         own_seeds = (scenario.seed,)
     chosen = egos or (scenario.ego,)
     return [replace(scenario, ego=ego, seed=seed) for ego in chosen for seed in seeds or own_seeds]
-
-
-def _seeds(text: str) -> range:
-    """Return the seeds that a number or a range stands for."""
-    first, is_range, last = text.partition("-")
-    if not first.isdecimal() or (is_range and not last.isdecimal()):
-        raise typer.BadParameter(f"--seed: '{text}' is neither a whole number nor a range such as 1-10")
-    seeds = range(int(first), int(last if is_range else first) + 1)
-    if not seeds or seeds[-1] > _MAX_SEED:
-        raise typer.BadParameter(f"--seed: '{text}' is empty or goes beyond {_MAX_SEED}")
-    return seeds
 
 
 def _show(comparison: Comparison, quiet: bool) -> None:

@@ -38,10 +38,12 @@ def explain(
 
 @app.command(epilog="Example: sumo-reactive report DIR")
 def report(
-    path: Annotated[Path, typer.Argument(metavar="PATH", help="the store of a batch (.duckdb), or a folder of run --out")],
+    path: Annotated[
+        Path, typer.Argument(metavar="PATH", help="store of a batch (.duckdb), or folder of run --out or compare --out")
+    ],
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="else beside the store, or in the folder")] = None,
 ) -> int:
-    """Write one HTML page that shows a batch or a run, and loads nothing from anywhere."""
+    """Write one HTML page that shows a batch, a comparison or a run, and loads nothing from anywhere."""
     from sumo_reactive.show.reports import page_beside, page_of
     from sumo_reactive.writing import write_whole
 

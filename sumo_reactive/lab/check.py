@@ -62,14 +62,14 @@ class Verdict:
         return not self.reasons
 
 
-def cases_of(file: Path, drivers: Sequence[DriverChoice] = ()) -> list[Case]:
-    """Return the cases of a scenario file, one a seed for each of `drivers` (none: its own); raise ScenarioError for what
-    cannot be run."""
-    scenario, seeds, expectation = load_scenario_file(file)
-    found = drivers or (scenario.driver,)
+def cases_of(file: Path, drivers: Sequence[DriverChoice] = (), seeds: Sequence[int] = ()) -> list[Case]:
+    """Return the cases of a scenario file, one for each of `seeds` and each of `drivers` (none: its own); raise
+    ScenarioError for what cannot be run."""
+    scenario, own_seeds, expectation = load_scenario_file(file)
+    found, numbers = drivers or (scenario.driver,), seeds or own_seeds
     for driver in found:
         require_driver(driver)
-    return [Case(replace(scenario, seed=seed, driver=driver), expectation) for driver in found for seed in seeds]
+    return [Case(replace(scenario, seed=seed, driver=driver), expectation) for driver in found for seed in numbers]
 
 
 def run_cases(cases: Sequence[Case], jobs: int, wall_limit_s: float) -> Iterator[Verdict]:

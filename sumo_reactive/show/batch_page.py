@@ -22,13 +22,15 @@ _Names = Mapping[str, str]  # a short name for each scenario
 _MEANS = "Mean over the trials that have the figure, with its bootstrap interval at 95 %."
 _DIFFERENCES = (
     "This driver − SUMO's own, same trip, same seed; bootstrap intervals of the mean difference at 95 %, in bold where they "
-    "leave out zero. Only trips that both have finished count, except for arrivals and collisions."
+    "leave out zero. Only trips that both have finished count, except for arrivals, collisions and "
+    "what is measured of others."
 )
 _TOO_FEW = f" Of fewer than {FEW} pairs such intervals tend to be too narrow."
 _COUNTS = "Each value of a count, and in brackets how many trials had it:"
 _BOXES = "A point is a trial; a box holds the middle half of a group, the line in it is the median."
 _SCATTER = "A point is a trip with a seed that both have finished: below the dashed line this driver has the smaller value."
-_WORST = "Trials without a result, not arrived, at fault or slower than the baseline; each links to what happened in it."
+_WORST = "Trials without a result, not arrived, at fault or slower than the baseline"
+_LINKED = "; each links to what happened in it"
 _NO_WORST = "None: every trial came to a result, arrived without a fault and not later than the baseline."
 
 
@@ -44,8 +46,8 @@ def batch_page(store: Path) -> str:
             Section("diagram", "Fundamental diagram", list(diagram_section(trials, results.diagram(), names))),
             Section("differences", "Against SUMO's own driver", list(differences_table(pairs, metrics, names))),
             Section("distributions", "Distributions", list(_distributions(trials, metrics, names))),
-            Section("pairs", "Trip by trip", list(_scatters(pairs, metrics, names))),
-            Section("worst", "Worst trials", list(_worst(worst, names))),
+            Section("pairs", "Trip by trip", list(scatters(pairs, metrics, names))),
+            Section("worst", "Worst trials", list(worst_table(worst, names))),
             Section("trials", "What happened in them", [part for one in worst for part in _story(one, results)]),
         )
         finished, planned = results.progress
@@ -141,7 +143,8 @@ def _counts(trials: Sequence[StoredTrial], metrics: Sequence[str], names: _Names
     return _without_empty(("scenario", "driver", "varied", *map(frame.title_of, metrics)), rows)
 
 
-def _scatters(pairs: Sequence[TripPair], metrics: Sequence[str], names: _Names) -> Iterator[Html]:
+def scatters(pairs: Sequence[TripPair], metrics: Sequence[str], names: _Names) -> Iterator[Html]:
+    """Yield a figure a metric, in which a point is a pair."""
     shown = [name for name in metrics if not frame.is_count(name) and any(pair.of(name) for pair in pairs)]
     if shown:
         yield frame.paragraph_of(_SCATTER)
@@ -149,17 +152,26 @@ def _scatters(pairs: Sequence[TripPair], metrics: Sequence[str], names: _Names) 
         yield frame.side_by_side(frame.figure_html(one, f"pair-{name}") for name, one in figures.items())
 
 
-def _worst(worst: Sequence[Worst], names: _Names) -> Iterator[Html]:
-    """Yield a row for each of the worst trials: what is wrong, and the command that replays it."""
-    yield frame.paragraph_of(_WORST if worst else _NO_WORST)
+def worst_table(worst: Sequence[Worst], names: _Names, *, are_told: bool = True) -> Iterator[Html]:
+    """Yield a row for each of the worst trials: what is wrong, and the command that replays it.
+
+    `are_told`: the page says what happened in them, too.
+    """
+    linked = _LINKED if are_told else ""
+    yield frame.paragraph_of(f"{_WORST}{linked}." if worst else _NO_WORST)
     if worst:
         rows = [
-            (frame.link(f"#{_anchor(trial)}", names[trial.scenario]), trial.ego or "own ego", str(trial.seed),
+            (_named(trial, names, are_told), trial.ego or "own ego", str(trial.seed),
              frame.driver_name(trial.driver), trial.varied, why, frame.code(trial.replay))
             for trial, why in worst
         ]  # fmt: skip
         head = ("scenario", "ego", "seed", "driver", "varied", "what is wrong", "command that replays it")
         yield _without_empty(head, rows)
+
+
+def _named(trial: StoredTrial, names: _Names, is_told: bool) -> str:
+    name = names[trial.scenario]
+    return frame.link(f"#{_anchor(trial)}", name) if is_told else name
 
 
 def _story(worst: Worst, results: Results) -> Iterator[Html]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from sumo_reactive.lab.batch.store_file import DECISION_ROW, EMERGENCY_ROW
 from sumo_reactive.lab.batch.stored_results import Results
-from sumo_reactive.lab.comparison.comparison import WHATEVER_THE_END
+from sumo_reactive.lab.comparison.comparison import OTHERS_METRICS, WHATEVER_THE_END
 from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.metric_names import METRICS
@@ -61,10 +61,10 @@ class TripPair(NamedTuple):
         return " ".join(filter(None, ("" if name == REACTIVE_NAME else name, self.driven.varied)))
 
     def of(self, metric: str) -> tuple[float, float] | None:
-        """Return both values where they can be compared: what depends on the trip only where both have arrived."""
+        """Return both values where they can be compared: what depends on the ego's trip only where both have arrived."""
         first, second = self.sumo.metrics.get(metric), self.driven.metrics.get(metric)
         arrived = all(one.metrics.get("arrived") == 1 for one in self)
-        if first is None or second is None or not (arrived or metric in WHATEVER_THE_END):
+        if first is None or second is None or not (arrived or metric in (*WHATEVER_THE_END, *OTHERS_METRICS)):
             return None
         return first, second
 

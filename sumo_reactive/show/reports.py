@@ -1,4 +1,4 @@
-"""The page that a path gets: that of a run, of several egos that drove at once, or of a batch."""
+"""The page that a path gets: that of a run, of several egos that drove at once, of a batch, or of a comparison."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from typing import Any
 from urllib.parse import quote
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.comparison.record import JSON_FILE
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.recorder import FLEET, PAGE, read_fleet
 from sumo_reactive.show import page as frame
 from sumo_reactive.show.batch_page import batch_page
+from sumo_reactive.show.comparison_page import comparison_page
 from sumo_reactive.show.explain import footer
 from sumo_reactive.show.faults import decision_table, fault_sentence, faults_in
 from sumo_reactive.show.page import Html, Section
@@ -43,6 +45,8 @@ def page_of(path: Path, target: Path) -> str:
         raise ScenarioError(f"{path}: no such file or folder")
     if path.is_file():
         return batch_page(path)
+    if (path / JSON_FILE).is_file():
+        return comparison_page(path)
     return fleet_page(path, target) if (path / FLEET).is_file() else run_page(read_run(path))
 
 

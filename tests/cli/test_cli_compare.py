@@ -41,6 +41,9 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
         sumo_reactive("table", tmp_path / "out", "--format", "csv", "--metric", "duration_s").stdout.splitlines()
     )
     assert float(row["difference"]) == data["metrics"]["duration_s"]["difference"]
+    report = sumo_reactive("report", tmp_path / "out")
+    assert (report.returncode, report.stdout) == (0, f"{tmp_path / 'out' / 'report.html'}\n")
+    assert "2 of 2 pairs driven by both." in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
