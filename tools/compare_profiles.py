@@ -29,10 +29,10 @@ from unittest.mock import patch
 import numpy as np
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.controller import Controller, Profile
+from sumo_reactive.driver.controller import Controller
 from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid
 from sumo_reactive.driver.nouns.record import Scene
-from sumo_reactive.driver.parameters import USUAL
+from sumo_reactive.driver.parameters import USUAL, Profile
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.lab.metric_names import METRICS

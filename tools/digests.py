@@ -32,8 +32,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, Self, TypeVar
 
-from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.parameters import Profile
 from sumo_reactive.errors import InputError, ScenarioError
 from sumo_reactive.lab.columns import COLUMNS
 from sumo_reactive.lab.runner import Runner

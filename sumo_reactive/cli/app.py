@@ -125,7 +125,7 @@ def _driver_option(text: str) -> tuple[str, DriverOption]:
 
 def note_compiling() -> None:
     """Say so if the kernels are about to be compiled."""
-    from sumo_reactive.driver.compilation import is_cached, is_kept
+    from sumo_reactive.driver.kernel_folder import is_cached, is_kept
 
     if not is_cached():
         typer.echo(_COMPILING if is_kept() else _COMPILING_ALWAYS, err=True)

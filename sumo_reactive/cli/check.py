@@ -87,12 +87,17 @@ def _kept(verdicts: list[Verdict], out: Path, time_limit: float) -> list[Verdict
     return kept
 
 
+def _failure(verdict: Verdict) -> str:
+    from sumo_reactive.show.faults import failure_told
+
+    return "\n".join(failure_told(verdict))
+
+
 def _conclude(verdicts: list[Verdict], junit: Path | None) -> int:
     """Tell about the failed cases, write the file asked for, and return the exit code."""
     from sumo_reactive.lab.check import write_junit
-    from sumo_reactive.show.faults import failure_told
 
-    told = [(verdict, "" if verdict.is_met else "\n".join(failure_told(verdict))) for verdict in verdicts]
+    told = [(verdict, "" if verdict.is_met else _failure(verdict)) for verdict in verdicts]
     for verdict, text in told:
         if text:
             typer.echo("\n" + "\n".join((verdict.case.name, *(f"  {line}" for line in text.splitlines()))))

@@ -84,8 +84,7 @@ def run(
     gui_speed: Annotated[float, typer.Option(min=0.01, max=1000.0, help="times faster than life in the window")] = 1.0,
 ) -> int:
     """Let the ego drive to its goal in a SUMO scenario, and judge the trip; or several egos at once."""
-    from sumo_reactive.driver.controller import Profile
-    from sumo_reactive.driver.pilot.schedule import Delays
+    from sumo_reactive.driver.parameters import Delays, Profile
     from sumo_reactive.lab.scenario import load_scenario
 
     scenario, named = load_scenario(config), ego or []

@@ -1,18 +1,11 @@
-"""Compiled kernels: one decorator, a disk cache that a changed source can never leave stale, interrupts while they load.
-
-A kernel is compiled with those that it calls from other files. The cache therefore lies in a folder named after the
-contents of all rooms that hold kernels.
-"""
+"""Compiled kernels: one decorator, and interrupts while they load."""
 
 from __future__ import annotations
 
-import hashlib
-import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from pathlib import Path
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any, TypeVar, cast
 
@@ -20,54 +13,10 @@ import numba
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 
-from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, KernelCache, is_own, kernel_root, own_folder
+from sumo_reactive.driver.kernel_cache import KernelCache
+from sumo_reactive.driver.kernel_folder import CACHE_FOLDER
 
 Function = TypeVar("Function", bound=Callable[..., object])
-
-KERNEL_ROOMS = (
-    "driver/geometry", "driver/vehicle", "driver/view", "driver/pilot", "driver/field", "driver/path", "lab/metrics",
-)  # fmt: skip
-"""Every room with a kernel in it."""
-
-READ_ROOMS = ("driver/nouns",)
-"""Every other room with a constant that a kernel reads, which is compiled in."""
-
-CALLBACK_FILES = ("sumo/crash.py",)
-"""Every file with a `callback` in it."""
-
-_COMPLETE = "complete"
-
-
-def _cache_folder() -> Path | None:
-    package = Path(__file__).parents[1]
-    digest = hashlib.sha256(numba.__version__.encode())
-    sources = [source for room in (*KERNEL_ROOMS, *READ_ROOMS) for source in sorted((package / room).glob("*.py"))]
-    for source in (*sources, *(package / file for file in CALLBACK_FILES)):
-        digest.update(source.read_bytes())
-    root = kernel_root(os.environ)
-    return root and own_folder(root / digest.hexdigest()[:16])
-
-
-CACHE_FOLDER = _cache_folder()
-"""Where the kernels of exactly these sources are kept; None where no folder is safe from others."""
-
-
-def is_kept() -> bool:
-    """Whether compiled kernels are there for later runs, too."""
-    return CACHE_FOLDER is not None and FOLDER_VARIABLE not in os.environ
-
-
-def is_cached() -> bool:
-    """Whether kernels of exactly these sources were compiled before, for this user or the process that started this one."""
-    return CACHE_FOLDER is not None and (CACHE_FOLDER / _COMPLETE).exists()
-
-
-def mark_cached() -> None:
-    """Note that every kernel has been compiled once."""
-    if CACHE_FOLDER is not None and is_own(CACHE_FOLDER):
-        with suppress(OSError):  # no room: what is not kept has been told
-            (CACHE_FOLDER / _COMPLETE).touch()
-
 
 def kernel(function: Function) -> Function:
     """Compile `function` to machine code on first call, cached on disk."""

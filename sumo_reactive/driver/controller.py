@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from enum import Enum
 from typing import NamedTuple, Protocol
 
 from sumo_reactive.driver.ablation import Mechanism
@@ -19,13 +18,13 @@ from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.parameters import Delays, Profile
 from sumo_reactive.driver.path.time_constraints import retimed
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import View, view_of
 from sumo_reactive.driver.pilot.pilot import Style, decide, notice
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
-from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.bicycle import advance
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import passages_ahead
@@ -34,13 +33,6 @@ from sumo_reactive.driver.view.outlook import outlook
 from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import static_within
 from sumo_reactive.driver.world.road_graph import RoadGraph
-
-
-class Profile(Enum):
-    """`DEFAULT`: a refined lattice, exact distances. `PAPER`: nine commands, bitmaps, δt = 0.5 s (F&L 1991, §4)."""
-
-    DEFAULT = "default"
-    PAPER = "paper"
 
 
 class Drive(NamedTuple):

@@ -1,6 +1,7 @@
-"""Compiled kernels on disk: a folder that nobody else can write to, since what is loaded from it runs, and a file each.
+"""Where compiled kernels are kept: a folder that nobody else can write to, since what is loaded from it runs.
 
-A file holds the code of a kernel for its kinds of arguments, with a digest that tells if it is damaged.
+A kernel is compiled with those that it calls from other files. The folder is therefore named after the contents of all
+rooms that hold kernels: a changed source never leaves a stale one. The compiler is not loaded to look for it.
 """
 
 from __future__ import annotations
@@ -8,21 +9,13 @@ from __future__ import annotations
 import atexit
 import hashlib
 import os
-import pickle
 import shutil
 import stat
-import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
-
-from numba.core.caching import NullCache
-from numba.core.compiler import CompileResult
-from numba.core.serialize import dumps
-
-from sumo_reactive.errors import OutputError
-from sumo_reactive.writing import write_whole
 
 FOLDER_VARIABLE = "SUMO_REACTIVE_KERNELS"
 """Environment variable by which a process shares a folder of its own with those that it starts: `process id:path`."""
@@ -101,70 +94,46 @@ def _remove_at_exit(folder: Path) -> None:
     atexit.register(remove)
 
 
-_DIGEST_BYTES = 32
-_told: set[str] = set()
+KERNEL_ROOMS = (
+    "driver/geometry", "driver/vehicle", "driver/view", "driver/pilot", "driver/field", "driver/path", "lab/metrics",
+)  # fmt: skip
+"""Every room with a kernel in it."""
+
+READ_ROOMS = ("driver/nouns",)
+"""Every other room with a constant that a kernel reads, which is compiled in."""
+
+CALLBACK_FILES = ("sumo/crash.py",)
+"""Every file with a `callback` in it."""
+
+_COMPLETE = "complete"
 
 
-class KernelCache(NullCache):
-    """What numba asks for the compiled code of a function. Nothing that goes wrong on disk ends the run: it is compiled.
-
-    A folder of None keeps nothing. `asked` is called each time, before a kernel is loaded or compiled.
-    """
-
-    def __init__(self, function: Callable[..., object], folder: Path | None, asked: Callable[[], None]) -> None:
-        self._name = f"{function.__module__}.{function.__qualname__}"
-        self._folder = folder
-        self._asked = asked
-
-    @property
-    def cache_path(self) -> str:
-        """The folder, for numba's own reports."""
-        return str(self._folder)
-
-    def load_overload(self, signature: Any, target_context: Any) -> CompileResult | None:
-        """Return the code for arguments of these kinds, if it is there and whole."""
-        self._asked()
-        target_context.refresh()
-        file = self._file(signature, target_context.codegen())
-        data = _whole(file) if file else None
-        return None if data is None else CompileResult._rebuild(target_context, *pickle.loads(data))
-
-    def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep the code for arguments of these kinds."""
-        file = self._file(signature, result.codegen)
-        if file is None or result.library.has_dynamic_globals:
-            return
-        data = dumps(result._reduce())
-        try:
-            write_whole(file, hashlib.sha256(data).digest() + data)
-        except OutputError as error:
-            _tell(f"compiled kernels are not kept: {error}")
-
-    def _file(self, signature: Any, codegen: Any) -> Path | None:
-        if self._folder is None or not is_own(self._folder):
-            return None
-        kinds = f"{sys.implementation.cache_tag} {self._name} {signature!r} {codegen.magic_tuple()!r}"
-        return self._folder / f"{self._name}-{hashlib.sha256(kinds.encode()).hexdigest()[:16]}"
+def _cache_folder() -> Path | None:
+    package = Path(__file__).parents[1]
+    digest = hashlib.sha256(version("numba").encode())
+    sources = [source for room in (*KERNEL_ROOMS, *READ_ROOMS) for source in sorted((package / room).glob("*.py"))]
+    for source in (*sources, *(package / file for file in CALLBACK_FILES)):
+        digest.update(source.read_bytes())
+    root = kernel_root(os.environ)
+    return root and own_folder(root / digest.hexdigest()[:16])
 
 
-def _whole(file: Path) -> bytes | None:
-    """Return what was kept in a file; None if it is not there, or not as it was written."""
-    try:
-        content = file.read_bytes()
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        _tell(f"{file}: {error.strerror}; compiling this kernel again")
-        return None
-    digest, data = content[:_DIGEST_BYTES], content[_DIGEST_BYTES:]
-    if hashlib.sha256(data).digest() == digest:
-        return data
-    _tell(f"{os.fspath(file.parent)}: damaged kernels are compiled again")
-    return None
+CACHE_FOLDER = _cache_folder()
+"""Where the kernels of exactly these sources are kept; None where no folder is safe from others."""
 
 
-def _tell(line: str) -> None:
-    """Say a line once in a process."""
-    if line not in _told:
-        _told.add(line)
-        print(line, file=sys.stderr)
+def is_kept() -> bool:
+    """Whether compiled kernels are there for later runs, too."""
+    return CACHE_FOLDER is not None and FOLDER_VARIABLE not in os.environ
+
+
+def is_cached() -> bool:
+    """Whether kernels of exactly these sources were compiled before, for this user or the process that started this one."""
+    return CACHE_FOLDER is not None and (CACHE_FOLDER / _COMPLETE).exists()
+
+
+def mark_cached() -> None:
+    """Note that every kernel has been compiled once."""
+    if CACHE_FOLDER is not None and is_own(CACHE_FOLDER):
+        with suppress(OSError):  # no room: what is not kept has been told
+            (CACHE_FOLDER / _COMPLETE).touch()

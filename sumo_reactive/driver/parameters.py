@@ -9,11 +9,27 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
+from enum import Enum
 from functools import cached_property
 from typing import Any
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.errors import ParameterError
+
+
+class Profile(Enum):
+    """`DEFAULT`: a refined lattice, exact distances. `PAPER`: nine commands, bitmaps, δt = 0.5 s (F&L 1991, §4)."""
+
+    DEFAULT = "default"
+    PAPER = "paper"
+
+
+class Delays(Enum):
+    """What becomes of the time constraints after a delay Δt: all later ones are shifted by it (the paper), or the planner
+    is asked for new ones that recover it where limits allow (the answer that the paper names)."""
+
+    SHIFT = "shift"
+    REPLAN = "replan"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,8 +12,6 @@ from pathlib import Path
 from junitparser import Error, Failure, JUnitXml, TestCase, TestSuite
 
 from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
-from sumo_reactive.lab.drivers.loading import require_driver
-from sumo_reactive.lab.recorder import PAGE, SUMMARY
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.runner import Runner, run_all
 from sumo_reactive.lab.scenario import Expectation, Limit, Scenario, load_scenario_file
@@ -68,7 +66,10 @@ def cases_of(file: Path, drivers: Sequence[DriverChoice] = (), seeds: Sequence[i
     scenario, own_seeds, expectation = load_scenario_file(file)
     found, numbers = drivers or (scenario.driver,), seeds or own_seeds
     for driver in found:
-        require_driver(driver)
+        if driver.is_users:
+            from sumo_reactive.lab.drivers.loading import require_driver
+
+            require_driver(driver)
     return [Case(replace(scenario, seed=seed, driver=driver), expectation) for driver in found for seed in numbers]
 
 
@@ -132,6 +133,8 @@ def _case(verdict: Verdict, text: str) -> TestCase:
         problem.text = _NO_XML.sub("", text)
         case.result = [problem]
     if verdict.record is not None:
+        from sumo_reactive.lab.recorder import PAGE, SUMMARY
+
         attached = (verdict.record / name for name in (PAGE, SUMMARY))
         case.system_out = _NO_XML.sub("", "\n".join(f"[[ATTACHMENT|{path}]]" for path in attached))
     return case

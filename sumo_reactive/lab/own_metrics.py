@@ -18,18 +18,18 @@ from importlib.metadata import EntryPoint, entry_points
 from numbers import Real
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of, is_there
-from sumo_reactive.lab.columns import trajectory_columns
 from sumo_reactive.lab.fault import MetricFailure
 from sumo_reactive.lab.metric_names import EVERY
 from sumo_reactive.lab.schema import nearest
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from sumo_reactive.driver.nouns.record import StepRecord
 
 GROUP = "sumo_reactive.metrics"
 """The entry points among which a metric without a module is looked for."""
@@ -133,6 +133,8 @@ def measured(
     sources: Sequence[MetricSource], steps: Sequence[StepRecord], encounters: Mapping[str, NDArray[Any]]
 ) -> tuple[dict[str, float | None], tuple[MetricFailure, ...]]:
     """Return the figures of a trip by name, None for a metric that failed, and the failures."""
+    from sumo_reactive.lab.columns import trajectory_columns
+
     figures: dict[str, float | None] = {}
     failures: list[MetricFailure] = []
     trajectory = trajectory_columns(steps)
@@ -158,7 +160,9 @@ def merged(*sources: Sequence[MetricSource]) -> tuple[MetricSource, ...]:
 def _number(value: object) -> float | None:
     if value is None:
         return None
-    number = float(value) if isinstance(value, Real | np.bool_) else math.nan
+    from numpy import bool_
+
+    number = float(value) if isinstance(value, Real | bool_) else math.nan
     if not abs(number) <= MOST_VALUE:
         raise ValueError(f"gave {value!r:.60}, which is no number up to {MOST_VALUE:g}")
     return number

@@ -19,9 +19,9 @@ from typing import Any
 
 import psutil
 
+import sumo_reactive.driver.kernel_folder  # noqa: F401  # made, and named to children, before the first one starts
 from sumo_reactive.lab.task import Ending, Outcome, Task
 from sumo_reactive.lab.trial_process import new_scratch, remove
-from sumo_reactive.sumo.crash import DEADLY
 
 MAX_TRIALS = 100
 """Trials that one process runs before another takes its place: its start (1 s) is then 10 ms a trial."""
@@ -159,6 +159,8 @@ class _Child:
             return 0.0
 
     def _death(self) -> str:
+        from sumo_reactive.sumo.crash import DEADLY  # brings the compiler along
+
         code = self._process.wait()
         how = f"the process ended with code {code}"
         if code < 0:

@@ -9,9 +9,7 @@ from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
-from sumo_reactive.driver.controller import Profile
-from sumo_reactive.driver.parameters import USUAL, Parameters, name_of
-from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.driver.parameters import USUAL, Delays, Parameters, Profile, name_of
 from sumo_reactive.errors import ParameterError, ScenarioError
 from sumo_reactive.lab.drivers.choice import (
     REACTIVE,

@@ -7,16 +7,18 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import AfterValidator, Field, field_validator
 
 from sumo_reactive.driver.nouns.assessment import Assessment, Encounter, PlanOutcome
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Occupancy, Reason, RegionState
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.nouns.record import StepRecord
 from sumo_reactive.files import text_of
 from sumo_reactive.lab.schema import MOST_RECORD_BYTES, Keys, Number, checked
+
+if TYPE_CHECKING:
+    from sumo_reactive.driver.nouns.record import StepRecord
 
 _OF_A_MEETING = {"arrival_s", "clearance_s", "foe_arrival_s", "foe_clearance_s"}
 _OF_A_LINE = {"to_line_m", "braking_needed_m_s2"}

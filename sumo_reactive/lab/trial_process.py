@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import os
 import pickle
@@ -61,8 +62,10 @@ def main(scratch: str, asking: str, answering: str) -> None:
     asked, answers = Connection(int(asking), writable=False), Connection(int(answering), readable=False)
     orders: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_listen, args=(asked, orders, Path(scratch)), daemon=True).start()
+    gc.disable()  # what is imported stays: looking for garbage among it takes a tenth of the start
     with contextlib.suppress(Exception):  # tried again, and told, by the first order
         import sumo_reactive.lab.simulation  # noqa: F401
+    gc.enable()
     tempfile.tempdir = scratch
     answers.send(True)  # ready
     while True:

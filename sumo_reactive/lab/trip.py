@@ -8,16 +8,18 @@ from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple
 
-from sumo_reactive.driver.compilation import interrupts_kept, is_cached, mark_cached
-from sumo_reactive.driver.controller import PARTS, Controller, Parts, Profile, Step
+from sumo_reactive.driver.compilation import interrupts_kept
+from sumo_reactive.driver.controller import PARTS, Controller, Parts, Step
 from sumo_reactive.driver.driving import Driving, segment_at, set_out
 from sumo_reactive.driver.field.executor import field_over
+from sumo_reactive.driver.kernel_folder import is_cached, mark_cached
 from sumo_reactive.driver.kernels import load_kernels
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.plan import LaneSegment
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Traffic
+from sumo_reactive.driver.parameters import Profile
 from sumo_reactive.driver.path.lane_choice import choose_lanes
 from sumo_reactive.driver.path.planner import PlanStart
 from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of

@@ -8,9 +8,10 @@ import pytest
 from helpers.cars import CAR, car_at
 from helpers.situations import before
 
-from sumo_reactive.driver.controller import Controller, Drive, Profile, Step, moved, replanned
+from sumo_reactive.driver.controller import Controller, Drive, Step, moved, replanned
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.nouns.traffic import Traffic
+from sumo_reactive.driver.parameters import Profile
 from sumo_reactive.driver.pilot import pilot
 
 ROUTE = ("from_south", "to_west")

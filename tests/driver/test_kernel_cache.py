@@ -9,14 +9,14 @@ import pytest
 from helpers.programs import run_program
 
 import sumo_reactive
-from sumo_reactive.driver.compilation import CALLBACK_FILES, KERNEL_ROOMS, READ_ROOMS
-from sumo_reactive.driver.kernel_folder import KernelCache
+from sumo_reactive.driver.kernel_cache import KernelCache
+from sumo_reactive.driver.kernel_folder import CALLBACK_FILES, KERNEL_ROOMS, READ_ROOMS
 
 CODE = """
 from pathlib import Path
 import resource, sys
 import numba
-from sumo_reactive.driver.kernel_folder import KernelCache
+from sumo_reactive.driver.kernel_cache import KernelCache
 
 def inner(x):
     return 2.0 * x

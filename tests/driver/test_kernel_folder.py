@@ -11,7 +11,7 @@ from sumo_reactive.driver import kernel_folder
 from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, is_own, kernel_root, own_folder
 
 NOBODY = 65534
-CODE = "from sumo_reactive.driver.compilation import CACHE_FOLDER; print(CACHE_FOLDER)"
+CODE = "from sumo_reactive.driver.kernel_folder import CACHE_FOLDER; print(CACHE_FOLDER)"
 
 
 @pytest.fixture

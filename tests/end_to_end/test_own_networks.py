@@ -18,10 +18,10 @@ from helpers.priority import Priority, Rules
 from helpers.tools import tool
 from helpers.witness import RED, Witness
 
-from sumo_reactive.driver.controller import Profile
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
+from sumo_reactive.driver.parameters import Profile
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import run_trial

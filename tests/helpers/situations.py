@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from helpers.cars import BODY, CAR
-from sumo_reactive.driver.controller import Controller, Drive, Profile, Step
+from sumo_reactive.driver.controller import Controller, Drive, Step
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.event import Event
@@ -18,13 +18,13 @@ from sumo_reactive.driver.nouns.plan import Aside, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.parameters import Delays, Profile
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot import situation as pilot
 from sumo_reactive.driver.pilot.assessment import assess
 from sumo_reactive.driver.pilot.behaviours.overtaking import try_out
 from sumo_reactive.driver.pilot.memory import Overtaking, PilotMemory
 from sumo_reactive.driver.pilot.passages import View, crossings
-from sumo_reactive.driver.pilot.schedule import Delays
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import passages_ahead
 from sumo_reactive.driver.view.attention import foes_of

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sumo_reactive.driver.controller import Profile
-from sumo_reactive.driver.parameters import Parameters
+from sumo_reactive.driver.parameters import Parameters, Profile
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.scenario import Expectation, Limit, load_scenario, load_scenario_file
 

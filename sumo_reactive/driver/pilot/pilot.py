@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.parameters import Parameters
+from sumo_reactive.driver.parameters import Delays, Parameters
 from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
@@ -30,7 +30,7 @@ from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import View
 from sumo_reactive.driver.pilot.rules.highway_code import Rule, Rules, ask, decision_of, nearest_stop, unconditional_stop
 from sumo_reactive.driver.pilot.rules.region import intent_of, kept_waiting
-from sumo_reactive.driver.pilot.schedule import Delays, adjusted
+from sumo_reactive.driver.pilot.schedule import adjusted
 from sumo_reactive.driver.pilot.situation import LaneChanging, Situation, next_on_way
 from sumo_reactive.driver.pilot.transitions import RULES, next_behaviour
 

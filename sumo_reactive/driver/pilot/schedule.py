@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-from enum import Enum
-
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.parameters import Delays
 from sumo_reactive.driver.pilot.memory import PilotMemory
 
 _LATE = (EventKind.DELAY, EventKind.CONSTRAINT_MISSED)
-
-
-class Delays(Enum):
-    """What becomes of the time constraints after a delay Δt: all later ones are shifted by it (the paper), or the planner
-    is asked for new ones that recover it where limits allow (the answer that the paper names)."""
-
-    SHIFT = "shift"
-    REPLAN = "replan"
 
 
 def adjusted(

@@ -9,8 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field, field_validator
 
-from sumo_reactive.driver.controller import Profile
-from sumo_reactive.driver.pilot.schedule import Delays
+from sumo_reactive.driver.parameters import Delays, Profile
 from sumo_reactive.errors import ReactiveError, ScenarioError
 from sumo_reactive.lab.batch.network_keys import NetworkKeys, counted_of
 from sumo_reactive.lab.drivers.choice import REACTIVE_NAME, SUMO_NAME, DriverChoice, DriverOption, chosen_driver

@@ -6,10 +6,10 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, before
 
-from sumo_reactive.driver.controller import Controller, Profile, Step
+from sumo_reactive.driver.controller import Controller, Step
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.parameters import USUAL
+from sumo_reactive.driver.parameters import USUAL, Profile
 from sumo_reactive.driver.pilot.events import detect
 from sumo_reactive.driver.pilot.pilot import notice
 from sumo_reactive.driver.view.ahead import passages_ahead

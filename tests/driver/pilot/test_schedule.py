@@ -5,7 +5,8 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.pilot.schedule import Delays, adjusted
+from sumo_reactive.driver.parameters import Delays
+from sumo_reactive.driver.pilot.schedule import adjusted
 
 LATE = (Event(EventKind.DELAY),)
 
