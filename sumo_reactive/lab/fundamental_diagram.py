@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.metric_names import cut_key
-from sumo_reactive.sumo.edge_counts import EdgeTime, Road
+
+if TYPE_CHECKING:
+    from sumo_reactive.sumo.edge_counts import EdgeTime, Road  # what a task says is read without SUMO
 
 DEFAULT_INTERVAL_S = 60.0
 _SECONDS_PER_H, _M_PER_KM = 3600.0, 1e3

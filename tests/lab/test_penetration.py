@@ -60,7 +60,7 @@ def test_a_higher_share_keeps_every_ego_of_a_lower_one(monkeypatch):
 def touching(ego, *others):
     """The result of an ego that touched others, one after the other."""
     faults = tuple(Fault(float(k), COLLISION, other, "lane") for k, other in enumerate(others))
-    return result(ego=ego, faults=faults)
+    return result(ego=ego, faults=faults, figures={"near_misses_by_ttc": 0, "near_misses_by_pet": 0})
 
 
 def test_a_contact_between_two_egos_counts_once():
