@@ -6,7 +6,7 @@
 `model`: the car-like vehicle (F&L 1991, §3.1, figure 2). `shadow`: the shadow R_D and the potential U_D of a moving
 obstacle (§3.3.2, figure 3). `valley`: U₁ of a curve C that the planner made (§3.3.1). `figure4`: four moments of
 scenarios/figure4.toml (§4, figure 4). Without a name all are drawn. Nothing is sketched: poses come from `advance_pose`,
-δ from `shadow_distance`, fields from `shadow_potential`, `foreseen_potential` and `valley_map`, moments from the record of a
+δ from `shadow_distance`, fields from `shadow_potential`, `Ground` and `valley_map`, moments from the record of a
 run. Needs matplotlib. The same versions draw the same bytes.
 """
 
@@ -37,12 +37,11 @@ from matplotlib.patches import Arc, Patch, Polygon
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from sumo_reactive.driver.field.foreseen_shadow import foreseen_potential, foreseen_shadows
-from sumo_reactive.driver.field.shadow import corners_of, shadow_distance, shadow_potential
-from sumo_reactive.driver.field.valley import least_to_static, valley_potential
+from sumo_reactive.driver.field.ground import Ground
+from sumo_reactive.driver.field.shadow import shadow_distance, shadow_potential
 from sumo_reactive.driver.field.valley_map import ValleyMap, map_potential, valley_map
 from sumo_reactive.driver.geometry.curve import Curve, project_on_curve
-from sumo_reactive.driver.geometry.footprint import Footprint, boxes_overlap
+from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.completed_plan import Weights
 from sumo_reactive.driver.nouns.decision import Instruction, Occupancy
@@ -769,34 +768,12 @@ def _potentials(shot: Shot, graph: RoadGraph, x: Array, y: Array) -> Array:
     """Return w₁U₁ + w₂U₂ for M's middle at each place of the grid, shape (len(y), len(x)); contact is masked."""
     users = [(u.x, u.y, u.heading, u.speed, u.body.length, u.body.width) for u in shot.others]
     boxes = np.array(users, dtype=np.float64).reshape(-1, 6)
-    corners = corners_of(boxes)
-    static = static_within(graph, shot.plan, "passenger", (shot.step.x, shot.step.y), FIELD_STATIC_M)
-    values = np.empty((len(y), len(x)))
-    for i, j in np.ndindex(values.shape):
-        values[i, j] = _potential(shot, float(x[j]), float(y[i]), boxes, corners, static)
+    step, front = shot.step, (shot.step.x, shot.step.y)
+    static = static_within(graph, shot.plan, "passenger", front, FIELD_STATIC_M)
+    ground = Ground(shot.plan.curve, step.s or 0.0, front, boxes, static, step.speed, shot.weights, shot.limits)
+    places = np.meshgrid(x, y)
+    values = ground.potentials(places[0].ravel(), places[1].ravel()).reshape(len(y), len(x))
     return np.ma.masked_invalid(values)
-
-
-def _potential(shot: Shot, x: float, y: float, boxes: Array, corners: Array, static: Array) -> float:
-    """Return w₁U₁ + w₂U₂ with M's middle at (x, y), headed along C at its speed; NaN where it touches somebody."""
-    curve, limits, weights = shot.plan.curve, shot.limits, shot.weights
-    guess = shot.step.s + x - shot.step.x
-    s, _ = project_on_curve(x, y, curve.x, curve.y, curve.step, guess, FIELD_GUESS_M)
-    heading = curve.at(s)[2]
-    for k, box in enumerate(boxes):
-        if boxes_overlap(x, y, heading, limits.length, limits.width, *corners[k, 5], *box[[2, 4, 5]]):
-            return math.nan
-    rear = Pose(*_in_world(Pose(x, y, heading), 0.5 * limits.length - limits.front_to_rear_axle, 0.0), heading)
-    fx, fy = _in_world(rear, limits.wheelbase, 0.0)
-    at, d = project_on_curve(fx, fy, curve.x, curve.y, curve.step, guess, FIELD_GUESS_M)
-    along = curve.x, curve.y, curve.heading, curve.step, at
-    body = 0.5 * limits.width, limits.front_overhang, limits.length - limits.front_overhang
-    left, right = least_to_static(static, *along, *body)
-    u1 = valley_potential(abs(d), min(left - d, right + d), USUAL.valley_attraction, USUAL.valley_repulsion)
-    room = np.full(2, np.inf)
-    shadows = foreseen_shadows(boxes, shot.step.speed, *body, *along, room, USUAL.shadow_scale, USUAL.clearance_m)
-    u2 = foreseen_potential(shadows, d, np.full(2, np.inf), USUAL.clearance_m)
-    return float(weights.valley * u1 + weights.shadow * u2)
 
 
 def _experiment_keys(figure: Figure, grid: Any, image: ContourSet, seen: set[Occupancy]) -> None:

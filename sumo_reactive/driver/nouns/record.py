@@ -85,6 +85,32 @@ class CommandField(NamedTuple):
     potentials: NDArray[np.float64]
 
 
+class GroundField(NamedTuple):
+    """w₁U₁ + w₂U₂ over the ground: the front bumper's centre `x`, `y` (m) and `heading` (rad), places `ahead` (n,) and
+    `left` (m,) of it where the ego's middle would be (m), potentials (n, m), NaN where it would touch somebody."""
+
+    x: float
+    y: float
+    heading: float
+    ahead: NDArray[np.float64]
+    left: NDArray[np.float64]
+    potentials: NDArray[np.float64]
+
+
+class Bystander(NamedTuple):
+    """A road user as it is seen from outside: the middle of its front bumper (m), heading (rad), speed (m/s), size (m), and
+    SUMO's bits of its signals: 1 right, 2 left, 8 brakes."""
+
+    id: str
+    x: float
+    y: float
+    heading: float
+    speed: float
+    length: float
+    width: float
+    signals: int
+
+
 class Scene(NamedTuple):
     """All that a judge may look at after a step of `ego`, as SUMO has it: the ego's record and every road user near.
 
@@ -92,7 +118,8 @@ class Scene(NamedTuple):
     `beside`: all other vehicles so near that they might touch the ego, though its driver does not look at them. `world`: the
     roads around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force
     (None: its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands
-    among which this step's was chosen, where the pilot has decided (None: it has not).
+    among which this step's was chosen, `ground` over the places around (None: its driver has none), `around` everybody
+    near, also who is no matter of the driver's (None: they are not told); it is asked before the next step or not at all.
     """
 
     step: StepRecord
@@ -104,3 +131,5 @@ class Scene(NamedTuple):
     plan: NominalPlan | None = None
     lights: Mapping[str, str] = NO_LIGHTS
     field: Callable[[], CommandField | None] | None = None
+    ground: Callable[[], GroundField] | None = None
+    around: Callable[[], tuple[Bystander, ...]] | None = None
