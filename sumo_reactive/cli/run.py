@@ -54,6 +54,16 @@ class DelaysName(StrEnum):
     REPLAN = "replan"
 
 
+class RecordName(StrEnum):
+    """The values of `--record`."""
+
+    FIELD = "field"
+
+
+RecordOption = Annotated[
+    list[RecordName] | None, typer.Option(help="field: U over the commands at every step, over the ground at decisions")
+]
+
 _EXAMPLE = "Example: sumo-reactive run my.sumocfg --ego veh_12 --out DIR -- --tripinfo-output t.xml"
 
 
@@ -79,6 +89,7 @@ def run(
     until_end: Annotated[bool, typer.Option("--until-end", help="play on after the ego has arrived")] = False,
     out: Annotated[Path | None, typer.Option(help="folder for summary, trajectory and decisions")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace another run in that folder")] = False,
+    record: RecordOption = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print the verdict only")] = False,
     gui: Annotated[bool, typer.Option("--gui", help="watch it in SUMO's own window")] = False,
     gui_speed: Annotated[float, typer.Option(min=0.01, max=1000.0, help="times faster than life in the window")] = 1.0,
@@ -96,7 +107,7 @@ def run(
         sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
     rule = _rule(scenario, named, ego_type or [], ego_probability)
-    return _drive(scenario, rule, out, overwrite, quiet, gui_speed if gui else None)
+    return _drive(scenario, rule, _kept(rule, out, overwrite, record or []), quiet, gui_speed if gui else None)
 
 
 def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None) -> EgoRule | None:
@@ -112,17 +123,30 @@ def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probabil
     return None
 
 
-def _drive(
-    scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite: bool, quiet: bool, gui_speed: float | None
-) -> int:
-    """Drive one ego, or those that the rule chooses; show and record what comes of it; return the exit code."""
+def _kept(
+    rule: EgoRule | None, out: Path | None, overwrite: bool, record: Sequence[RecordName]
+) -> Callable[[], Any] | None:
+    """Return what makes the recorder of one ego, or of several, if there is a folder for the record."""
+    if out is None:
+        if record:
+            raise typer.BadParameter("there is no --out to keep it in", param_hint="--record")
+        return None
     from sumo_reactive.lab.recorder import FleetRecorder, Recorder
+
+    return partial(FleetRecorder if rule else Recorder, out, overwrite=overwrite, every_field=RecordName.FIELD in record)
+
+
+def _drive(
+    scenario: Scenario, rule: EgoRule | None, kept: Callable[[], Any] | None, quiet: bool, gui_speed: float | None
+) -> int:
+    """Drive one ego, or those that the rule chooses; show what comes of it, record it by what `kept` makes; return the exit
+    code."""
     from sumo_reactive.lab.simulation import run_fleet, run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
     drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)
     show: Callable[[Any, bool], None] = _show_several if rule else _show
-    recorder: Any = (FleetRecorder if rule else Recorder)(out, overwrite=overwrite) if out else None
+    recorder = kept() if kept else None
     observer = _watched(recorder.see if recorder else None, gui_speed)
     note_compiling()
     with progress_shown(quiet) as progress, crashes_told():

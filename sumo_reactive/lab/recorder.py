@@ -7,6 +7,7 @@ import json
 import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 from urllib.parse import quote
@@ -142,10 +143,10 @@ PAGE = "report.html"
 class _Record:
     """The steps of an ego, who was near in them, and the worlds in which it drove them."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, every_field: bool = False) -> None:
         self._steps: list[StepRecord] = []
         self._worlds: list[RoadGraph] = []
-        self._surroundings = SurroundingsRecord()
+        self._surroundings = SurroundingsRecord(every_field=every_field)
         self._neighbourhood, self._log = Neighbourhood(), PairLog()
 
     def see(self, scene: Scene) -> None:
@@ -185,13 +186,14 @@ def reasons_in(steps: Sequence[StepRecord]) -> list[tuple[float, str]]:
 class Recorder:
     """Keeps the steps of an ego in memory and writes them at the end of the run: a killed run leaves nothing.
 
-    Raises what `replaced_in` raises.
+    `every_field`: U over the commands at every step, not at decisions only, and over the ground at decisions. Raises what
+    `replaced_in` raises.
     """
 
-    def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
+    def __init__(self, folder: Path, *, overwrite: bool = False, every_field: bool = False) -> None:
         self._folder = folder
         self._replaced = replaced_in(folder, overwrite)
-        self._record = _Record()
+        self._record = _Record(every_field=every_field)
 
     def see(self, scene: Scene) -> None:
         """Keep one step."""
@@ -209,9 +211,9 @@ class FleetRecorder:
     Raises at once what `Recorder` raises, and ScenarioError if a folder in `folder` holds a run that may not be replaced.
     """
 
-    def __init__(self, folder: Path, *, overwrite: bool = False) -> None:
+    def __init__(self, folder: Path, *, overwrite: bool = False, every_field: bool = False) -> None:
         self._folder = folder
-        self._records: defaultdict[str, _Record] = defaultdict(_Record)
+        self._records: defaultdict[str, _Record] = defaultdict(partial(_Record, every_field=every_field))
         self._replaced = replaced_in(folder, overwrite)
         if not overwrite and (other := next(folder.glob(f"*/{SUMMARY}"), None)):
             raise ScenarioError(f"{other.parent}: holds another run; use --overwrite or another folder than {folder}")

@@ -11,6 +11,7 @@ import tempfile
 import time as clock
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,12 +31,14 @@ from sumo_reactive.lab.recorder import Recorder, reasons_in
 from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
+from sumo_reactive.lab.surroundings_record import RECORDED_M
 from sumo_reactive.lab.task import Task
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.lab.worlds import Worlds, world_kept
 from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.ego import give_back
+from sumo_reactive.sumo.everybody import Everybody
 from sumo_reactive.sumo.launch import OptionOverride, chosen_step_length, passed_end, runnable_config, sumo_arguments
 from sumo_reactive.sumo.net_reader import WorldSource, read_net
 from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
@@ -100,6 +103,7 @@ class Simulation:
         self._start, self._session, self._scenario = start, start.session, scenario
         self._take_over, self._observer, self._progress, self._rule = take_over, observer, progress, rule
         self._equipment = Equipment(start.config) if rule else None
+        self._everybody = Everybody()
         self._members: list[_Member] = []
         self._until = scenario.latest_end
         self._has_left, self._doing = False, ""
@@ -185,6 +189,9 @@ class Simulation:
     def _show(self, member: _Member, scene: Scene) -> None:
         member.jury.see(scene)
         if self._observer is not None:
+            step = scene.step
+            if self._rule is None and not self._session.has_window:  # SUMO with a window hangs when asked for so much
+                scene = scene._replace(around=partial(self._everybody.within, RECORDED_M, scene.ego, step.x, step.y))
             self._observer(scene)
         self._doing = scene.step.behaviour or "SUMO's own driver"
 

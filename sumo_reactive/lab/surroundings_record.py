@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.nouns.record import CommandField, Scene
+from sumo_reactive.driver.nouns.record import Bystander, CommandField, GroundField, Scene
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.columns import write_columns
 
-SURROUNDINGS_VERSION = 1
+SURROUNDINGS_VERSION = 2
 """Of both files; another release may write another."""
 
 USERS, SURROUNDINGS = "users.parquet", "surroundings.json"
@@ -30,8 +30,10 @@ USER_MEANINGS = {
     "speed_m_s": "his speed",
     "length_m": "his length",
     "width_m": "his width",
+    "signals": "SUMO's bits: 1 indicates to the right, 2 to the left, 8 brakes",
 }
-"""Columns of USERS: everybody whom the driver looked at in a step, and all within 40 m."""
+"""Columns of USERS: everybody within RECORDED_M of a single ego in a step, and whom its driver looked at; of several egos
+whom each looked at, and all within 40 m."""
 
 USER_NUMBERS = tuple(name for name in USER_MEANINGS if name != "user")
 """Those that are numbers."""
@@ -44,9 +46,16 @@ SURROUNDINGS_MEANINGS = {
     "letters": "[time from when on, letters by light]: s",
     "curves": "[time from when on, points [x, y] of C]: s, m",
     "constraints": "[time from when on, places to stop at: [x, y, until when (null: for good), reason, cause]]: s, m",
-    "fields": "[time of a decision, accelerations, steering rates, U by both (null: not admissible)]: s, m/s², rad/s",
+    "fields": "[time, accelerations, steering rates, U by both (null: not admissible)] of decisions, or all: s, m/s², rad/s",
+    "grounds": "[time, x, y, heading of the front, places ahead and left of it, U there (null: contact)]: s, m, rad",
 }
 """Keys of SURROUNDINGS."""
+
+RECORDED_M = 150.0
+"""Everybody nearer than this to a single ego is recorded."""
+
+SHOWN_SIGNALS = 0b1011
+"""SUMO's bits of right, left and brakes."""
 
 KEPT_STEP_M = 2.0
 NEAR_THE_WAY_M = 200.0
@@ -58,9 +67,11 @@ _DECIMALS = 2
 class SurroundingsRecord:
     """Keeps what is around an ego from step to step, and writes it."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, every_field: bool = False) -> None:
+        self._every_field = every_field
         self._ids: dict[str, int] = {}
-        self._users, self._numbers = array("l"), array("f")
+        self._users, self._counts, self._signals = array("I"), array("I"), array("B")
+        self._numbers, self._sizes = array("f"), array("f")
         self._times = array("d")
         self._worlds: list[RoadGraph] = []
         self._letters: list[tuple[float, dict[str, str]]] = []
@@ -68,16 +79,13 @@ class SurroundingsRecord:
         self._constraints: list[tuple[float, list[list[Any]]]] = []
         self._track: list[tuple[float, float]] = []
         self._fields: list[list[Any]] = []
+        self._grounds: list[list[Any]] = []
 
     def see(self, scene: Scene) -> None:
         """Keep one step."""
         step = scene.step
         self._track.append((step.x, step.y))
-        seen = {user.id: user for user in (*scene.users, *scene.beside)}
-        for user in seen.values():
-            self._users.append(self._ids.setdefault(user.id, len(self._ids)))
-            self._times.append(step.time)
-            self._numbers.extend((user.x, user.y, user.heading, user.speed, user.body.length, user.body.width))
+        self._keep_users(scene)
         if scene.world is not None and scene.world not in self._worlds[-1:]:
             self._worlds.append(scene.world)
         if scene.lights and (not self._letters or self._letters[-1][1] != scene.lights):
@@ -85,18 +93,39 @@ class SurroundingsRecord:
         if scene.plan is not None and (not self._curves or self._curves[-1][1] is not scene.plan.curve):
             self._curves.append((step.time, scene.plan.curve))
         self._keep_constraints(scene)
-        if scene.field is not None and (field := scene.field()) is not None:
+        if (step.pilot or self._every_field) and scene.field is not None and (field := scene.field()) is not None:
             self._fields.append(_field(step.time, field))
+        if self._every_field and step.pilot and scene.ground is not None:
+            self._grounds.append(_ground(step.time, scene.ground()))
 
     def write_into(self, folder: Path) -> None:
         """Write both files into a folder. Raises OSError."""
-        numbers = np.array(self._numbers, dtype=np.float32).reshape(-1, len(USER_NUMBERS) - 1)
+        moving, sizes = (np.array(kept, dtype=np.float32) for kept in (self._numbers, self._sizes))
+        who, counts = (np.array(kept, dtype=int) for kept in (self._users, self._counts))
+        numbers = np.column_stack((moving.reshape(-1, 4), sizes.reshape(-1, 2)[who] if len(who) else np.empty((0, 2))))
         names = np.array(list(self._ids), dtype=object)
-        columns: dict[str, Any] = {"time_s": np.array(self._times).round(3), "user": names[np.array(self._users, dtype=int)]}
-        columns |= {name: numbers[:, k] for k, name in enumerate(USER_NUMBERS[1:])}
+        columns: dict[str, Any] = {"time_s": np.repeat(np.array(self._times).round(3), counts), "user": names[who]}
+        columns |= {name: numbers[:, k].astype(np.float32) for k, name in enumerate(USER_NUMBERS[1:-1])}
+        columns[USER_NUMBERS[-1]] = np.array(self._signals, dtype=np.uint8)
         write_columns(folder / USERS, columns)
         text = json.dumps(self._told(), allow_nan=False, separators=(",", ":"))
         (folder / SURROUNDINGS).write_text(text + "\n", encoding="utf-8")
+
+    def _keep_users(self, scene: Scene) -> None:
+        seen = {one.id: one for one in scene.around()} if scene.around is not None else {}
+        for user in (*scene.users, *scene.beside):
+            if user.id not in seen:
+                x, y, heading, speed, (length, width, *_) = *user[1:5], user.body
+                seen[user.id] = Bystander(user.id, x, y, heading, speed, length, width, 0)
+        for one in seen.values():
+            number = self._ids.setdefault(one.id, len(self._ids))
+            if 2 * number == len(self._sizes):
+                self._sizes.extend((one.length, one.width))
+            self._users.append(number)
+            self._numbers.extend((one.x, one.y, one.heading, one.speed))
+            self._signals.append(one.signals & SHOWN_SIGNALS)
+        self._times.append(scene.step.time)
+        self._counts.append(len(seen))
 
     def _keep_constraints(self, scene: Scene) -> None:
         if scene.plan is None:
@@ -119,6 +148,7 @@ class SurroundingsRecord:
             "curves": [[round(time, 3), _points(curve)] for time, curve in self._curves],
             "constraints": [[round(time, 3), found] for time, found in self._constraints],
             "fields": self._fields,
+            "grounds": self._grounds,
         }
 
     def _lanes(self) -> Iterator[Lane]:
@@ -159,6 +189,13 @@ def _field(time: float, field: CommandField) -> list[Any]:
     rows = [[_finite(value) for value in row] for row in field.potentials.tolist()]
     rates = [round(rate, 4) for rate in field.steering_rates.tolist()]
     return [round(time, 3), _rounded(*field.accelerations.tolist()), rates, rows]
+
+
+def _ground(time: float, field: GroundField) -> list[Any]:
+    """Return the time (s), place and heading of the front, places ahead and to the left (m), U there (None: contact)."""
+    rows = [[_finite(value) for value in row] for row in field.potentials.tolist()]
+    place = _rounded(field.x, field.y, field.heading)
+    return [round(time, 3), place, _rounded(*field.ahead.tolist()), _rounded(*field.left.tolist()), rows]
 
 
 def _rounded(*values: float) -> list[float]:

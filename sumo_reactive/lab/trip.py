@@ -12,6 +12,7 @@ from sumo_reactive.driver.compilation import interrupts_kept
 from sumo_reactive.driver.controller import PARTS, Controller, Parts, Step
 from sumo_reactive.driver.driving import Driving, segment_at, set_out
 from sumo_reactive.driver.field.executor import field_over
+from sumo_reactive.driver.field.ground import ground_field
 from sumo_reactive.driver.kernel_folder import is_cached, mark_cached
 from sumo_reactive.driver.kernels import load_kernels
 from sumo_reactive.driver.nouns.decision import Reason
@@ -127,9 +128,10 @@ class Trip:
         traffic = self._traffic
         beside = self._bystanders.look({user.id for user in traffic.users})
         period = min(self._session.step_length, self.limits.parameters.control_period_s)
-        has_field = step.runs and self.profile == Profile.DEFAULT.value
+        has_field = self.profile == Profile.DEFAULT.value
         field = partial(field_over, step.snapshot, step.completed, self.limits, period) if has_field else None
-        return Scene(record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field)
+        ground = partial(ground_field, step.snapshot, step.completed, self.limits) if has_field else None
+        return Scene(record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field, ground)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""

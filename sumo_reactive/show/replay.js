@@ -9,7 +9,7 @@
   const canvas = part("map"), pen = canvas.getContext("2d"), said = part("said"), about = part("about");
   const slider = part("time"), clock = part("clock"), play = part("play"), rate = part("rate");
   const last = data.times.length - 1, begin = data.times[0], end = data.times[last];
-  const toggles = { follow: true, field: true, names: false };
+  const toggles = { follow: true, field: true, ground: true, names: false };
   let now = begin, playing = false, scale = 6, centre = [data.ego.x[0], data.ego.y[0]], chosen = null, before = 0, dirty = true;
 
   // Whatever holds from a time on: a list of [time, …] in order; the entry in force, or null.
@@ -32,13 +32,13 @@
   const between = (a, b, share) => a + share * (b - a);
   const turned = (a, b, share) => a + share * Math.atan2(Math.sin(b - a), Math.cos(b - a));
 
-  // Who is there at a step: a map from user to [x, y, heading, speed].
+  // Who is there at a step: a map from user to [x, y, heading, speed, signals].
   const seen = new Map();
   const usersAt = (step) => {
     if (!seen.has(step)) {
       if (seen.size > 64) seen.clear();
       const row = data.users.steps[step], found = new Map();
-      for (let k = 0; k < row.length; k += 5) found.set(row[k], [row[k + 1] / 100, row[k + 2] / 100, row[k + 3] / 1000, row[k + 4] / 100]);
+      for (let k = 0; k < row.length; k += 6) found.set(row[k], [row[k + 1] / 100, row[k + 2] / 100, row[k + 3] / 1000, row[k + 4] / 100, row[k + 5]]);
       seen.set(step, found);
     }
     return seen.get(step);
@@ -50,7 +50,7 @@
       turned(ego.heading[step], ego.heading[next], share), ego.speed[step]];
     const users = [...usersAt(step)].map(([user, at]) => {
       const then = there.get(user) || at;
-      return [user, [between(at[0], then[0], share), between(at[1], then[1], share), turned(at[2], then[2], share), at[3]]];
+      return [user, [between(at[0], then[0], share), between(at[1], then[1], share), turned(at[2], then[2], share), at[3], at[4]]];
     });
     return { step, mine, users };
   };
@@ -77,6 +77,20 @@
     if (edge) { pen.strokeStyle = edge; pen.lineWidth = 2.5 / scale; pen.stroke(); }
     pen.fillStyle = "rgba(255,255,255,.55)";
     pen.fillRect(-Math.min(1.6, length / 3), -width * 0.38, Math.min(0.6, length / 8), width * 0.76);
+    pen.restore();
+  };
+  // SUMO's bits: 1 right, 2 left, which blink, and 8 brakes.
+  const lamps = ([x, y, heading], length, width, signals) => {
+    const blinks = Math.floor(now * 3) % 2 === 0, size = Math.min(0.7, width / 3);
+    const lamp = (along, side, colour) => { pen.fillStyle = colour; pen.fillRect(along, side - size / 2, size, size); };
+    pen.save();
+    pen.translate(x, y);
+    pen.rotate(heading);
+    for (const [bit, side] of [[1, -1], [2, 1]]) {
+      if (!(signals & bit) || !blinks) continue;
+      for (const along of [-size, -length]) lamp(along, side * (width / 2 - size / 4), "#ffb000");
+    }
+    if (signals & 8) for (const side of [-1, 1]) lamp(-length, side * (width / 2 - size / 2), "#ff2d2d");
     pen.restore();
   };
   const across = (x, y, heading, reach, colour, width) => {
@@ -118,6 +132,7 @@
     pen.lineWidth = 0.12;
     for (const lane of data.lanes) { outline(lane); pen.fill(); pen.stroke(); }
     for (const lane of data.inside) { outline(lane); pen.fill(); }
+    if (toggles.ground) drawGround();
     const states = inForce(data.states, now);
     for (const [name, [state]] of Object.entries(states ? states[1] : {})) {
       if (!data.regions[name]) continue;
@@ -141,6 +156,7 @@
     for (const [user, at] of users) {
       const marked = chosen === user ? colours.link : data.ego.leader[step] === user ? colours.bad : null;
       body(at, data.users.length[user], data.users.width[user], colours.soft, marked);
+      if (at[4]) lamps(at, data.users.length[user], data.users.width[user], at[4]);
       if (toggles.names || chosen === user) label(at[0], at[1], data.users.ids[user], colours.text);
     }
     body(mine, data.ego.length, data.ego.width, data.colours[data.behaviours[data.ego.behaviour[step]]] || colours.link, colours.text);
@@ -153,6 +169,23 @@
     clock.textContent = `${now.toFixed(1)} s · ${mine[3].toFixed(1)} m/s · ${data.behaviours[data.ego.behaviour[step]] || ""}`;
     slider.value = now;
     tell();
+  };
+
+  // U on the ground around the ego at the last decision: clear where it is least, grey where there would be a contact.
+  const drawGround = () => {
+    const found = inForce(data.grounds, now);
+    if (!found) return;
+    const [, [x, y, heading], ahead, left, rows] = found, values = rows.flat().filter((u) => u !== null).sort((a, b) => a - b);
+    const low = values[0], top = values[Math.floor(0.95 * (values.length - 1))], side = ahead.length > 1 ? ahead[1] - ahead[0] : 1;
+    pen.save();
+    pen.translate(x, y);
+    pen.rotate(heading);
+    rows.forEach((row, i) => row.forEach((u, j) => {
+      const share = u === null || top <= low ? 1 : Math.min(1, (u - low) / (top - low));
+      pen.fillStyle = u === null ? "rgba(90,90,90,.6)" : `hsla(${220 - 200 * share}, 80%, 50%, ${0.08 + 0.5 * share})`;
+      pen.fillRect(ahead[i] - side / 2, left[j] - side / 2, side, side);
+    }));
+    pen.restore();
   };
 
   // The lattice of commands at the last decision: dark is low, the command chosen then is framed.
@@ -296,7 +329,7 @@
   });
   const keys = { " ": () => setPlaying(!playing), ArrowLeft: () => go(data.times[Math.max(0, stepAt(now) - 1)]),
     ArrowRight: () => go(data.times[Math.min(last, stepAt(now) + 1)]), "+": () => zoom(1.4), "-": () => zoom(1 / 1.4),
-    f: () => toggle("follow"), h: () => toggle("field"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
+    f: () => toggle("follow"), h: () => toggle("field"), g: () => toggle("ground"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
   canvas.addEventListener("keydown", (event) => {
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();

@@ -35,6 +35,8 @@ _Line = list[_Place]
 _Constraint = tuple[Number, Number, Number, Number | None, str, str]
 _FieldKeys = tuple[Number, list[Number], list[Number], list[list[Number | None]]]
 
+_GroundKeys = tuple[Number, tuple[Number, Number, Number], list[Number], list[Number], list[list[Number | None]]]
+
 
 class SurroundingsKeys(Keys):
     """`surroundings.json`."""
@@ -47,6 +49,7 @@ class SurroundingsKeys(Keys):
     curves: list[tuple[Number, _Line]]
     constraints: list[tuple[Number, list[_Constraint]]]
     fields: list[_FieldKeys]
+    grounds: list[_GroundKeys]
 
 
 _SHORT = {
@@ -98,6 +101,7 @@ def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
         "curves": [[time, _flat(line)] for time, line in found.curves],
         "constraints": [[time, [[*one[:4], _label(*one[4:], one[3])] for one in some]] for time, some in found.constraints],
         "fields": _fields(found.fields, steps),
+        "grounds": found.grounds,
         "decisions": list(_decisions(recording)),
     }  # fmt: skip
 
@@ -107,7 +111,7 @@ _USUAL_M = 5.0, 1.8
 
 
 def _users(recording: Recording, steps: Steps) -> dict[str, Any]:
-    """Return everybody, and for each step who was where: five whole numbers a user."""
+    """Return everybody, and for each step who was where: six whole numbers a user."""
     path = recording.folder / USERS
     query = f"SELECT \"user\", {', '.join(USER_NUMBERS)} FROM steps ORDER BY time_s"
     try:
@@ -116,11 +120,11 @@ def _users(recording: Recording, steps: Steps) -> dict[str, Any]:
         sizes = {ids[str(row[0])]: (round(float(row[6]), 2), round(float(row[7]), 2)) for row in rows}
         found: list[list[int]] = [[] for _ in steps.times]
         k = 0
-        for user, time, x, y, heading, speed, *_ in rows:
+        for user, time, x, y, heading, speed, _, _, signals in rows:
             while k + 1 < len(found) and steps.times[k] < time - CLOSE_S:
                 k += 1
-            numbers = (ids[str(user)], round(x * _CM), round(y * _CM), round(heading * _MRAD), round(speed * _CM))
-            found[k].extend(numbers)
+            place = round(x * _CM), round(y * _CM), round(heading * _MRAD)
+            found[k].extend((ids[str(user)], *place, round(speed * _CM), int(signals)))
     except (duckdb.Error, TypeError, ValueError, OverflowError, MemoryError, RuntimeError) as error:
         raise ScenarioError(f"{path}: not the users of a run: {' '.join(str(error).split())}") from error
     lengths, widths = ([sizes[k][side] for k in range(len(ids))] for side in (0, 1))
@@ -163,13 +167,15 @@ def _button(name: str, text: str, *, pressed: bool | None = None) -> str:
 _PLAYER = (
     '<div class="replay" id="replay-player"><canvas data-part="map" tabindex="0" role="application" '
     'aria-label="Map of the run. Space plays, arrows step, comma and full stop go to the decisions before and after, '
-    'plus and minus zoom, f follows the ego, h shows the field, n shows names."></canvas><div class="bar">'
+    'plus and minus zoom, f follows the ego, h shows the field, '
+    'g shows U on the ground, n shows names."></canvas><div class="bar">'
     + _button("play", "Play") + _button("back", "‹ decision") + _button("on", "decision ›")
     + '<select data-part="rate" aria-label="speed">'
     + "".join(f'<option value="{rate}"{" selected" * (rate == 1)}>×{rate}</option>' for rate in (0.25, 0.5, 1, 2, 4, 8))
     + '</select><input type="range" data-part="time" aria-label="simulation time, s"><output data-part="clock"></output>'
     + _button("out", "−") + _button("in", "+") + _button("follow", "follow", pressed=True)
-    + _button("field", "field", pressed=True) + _button("names", "names", pressed=False)
+    + _button("field", "field", pressed=True) + _button("ground", "ground", pressed=True)
+    + _button("names", "names", pressed=False)
     + '</div><div class="said" data-part="said" aria-live="polite"></div><div class="about" data-part="about"></div></div>'
 )  # fmt: skip
 

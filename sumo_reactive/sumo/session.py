@@ -69,6 +69,11 @@ class Session:
             return ""
 
     @property
+    def has_window(self) -> bool:
+        """Whether SUMO shows the simulation in its window."""
+        return self._has_window
+
+    @property
     def time(self) -> float:
         """Simulation time, s."""
         return float(libsumo.simulation.getTime())

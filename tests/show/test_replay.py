@@ -3,19 +3,22 @@
 import base64
 import gzip
 import json
+import math
 import re
+import shutil
 from pathlib import Path
 
 import duckdb
 import numpy as np
 import pytest
 from helpers.browser import BROWSER, NO_BROWSER, browsed
+from helpers.programs import sumo_reactive
 
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import run_trial
-from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USERS
+from sumo_reactive.lab.surroundings_record import RECORDED_M, SURROUNDINGS, USERS, SurroundingsRecord
 from sumo_reactive.show.recording import read_run, read_steps
 from sumo_reactive.show.replay import payload_of, replay_of
 from sumo_reactive.show.reports import page_of
@@ -24,22 +27,31 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(scope="module")
-def scenes():
-    """The scenes of a trip through a light, and its result."""
-    found = []
-    result = run_trial(load_scenario(ROOT / "scenarios" / "signalised_left_turns.toml"), observer=found.append)
-    return found, result
+def driven(tmp_path_factory):
+    """The scenes of a trip through a light, who was around in each, and its record with every field."""
+    found, around = [], []
+    folder = tmp_path_factory.mktemp("driven") / "run"
+    recorder = Recorder(folder, every_field=True)
+
+    def see(scene):
+        found.append(scene)
+        around.append(scene.around())
+        recorder.see(scene)
+
+    recorder.write(run_trial(load_scenario(ROOT / "scenarios" / "signalised_left_turns.toml"), observer=see))
+    return found, around, folder
+
+
+@pytest.fixture(scope="module")
+def scenes(driven):
+    """The scenes of the trip."""
+    return driven[0]
 
 
 @pytest.fixture
-def record(tmp_path, scenes):
-    """Its record."""
-    found, result = scenes
-    recorder = Recorder(tmp_path / "run")
-    for scene in found:
-        recorder.see(scene)
-    recorder.write(result)
-    return tmp_path / "run"
+def record(tmp_path, driven):
+    """A copy of its record."""
+    return Path(shutil.copytree(driven[2], tmp_path / "run"))
 
 
 def told(record):
@@ -48,24 +60,52 @@ def told(record):
     return payload_of(recording, read_steps(recording))
 
 
-def test_everybody_is_where_he_was_seen(record, scenes):
-    found, _ = scenes
-    rows = duckdb.sql(f"SELECT \"user\", x_m, y_m, speed_m_s FROM '{record / USERS}' ORDER BY time_s").fetchall()
-    expected = [user for scene in found for user in {u.id: u for u in (*scene.users, *scene.beside)}.values()]
-    assert len(rows) == len(expected) > 1000
-    assert sorted(rows)[0][0] == min(user.id for user in expected)
-    assert np.isclose(sum(row[1] for row in rows), sum(user.x for user in expected), rtol=1e-5)
+def test_everybody_within_sight_is_recorded_where_he_was_with_his_signals(record, driven):
+    found, around, _ = driven
+    rows = duckdb.sql(f"SELECT time_s, \"user\", x_m, y_m, speed_m_s, signals FROM '{record / USERS}'").fetchall()
+    for scene, some in list(zip(found, around, strict=True))[::50]:
+        assert max(math.dist((one.x, one.y), (scene.step.x, scene.step.y)) for one in some) < RECORDED_M
+        kept = {row[1]: row[2:5] for row in rows if abs(row[0] - scene.step.time) < 1e-3}
+        assert kept.keys() == {one.id for one in (*some, *scene.users, *scene.beside)}
+        assert {one.id: kept[one.id] for one in some} == {
+            one.id: pytest.approx((one.x, one.y, one.speed), abs=1e-3) for one in some
+        }
+    assert all(any(row[-1] & bit for row in rows) for bit in (1, 2, 8))
+
+
+def test_u_on_the_ground_is_least_along_c_and_none_where_there_would_be_a_contact(record, scenes):
+    grounds = told(record)["grounds"]
+    decided = [scene for scene in scenes if scene.step.pilot]
+    assert len(grounds) == len(decided) > 10
+    contacts = 0
+    for (time, _, ahead, left, rows), scene in zip(grounds, decided, strict=True):
+        assert time == pytest.approx(scene.step.time, abs=1e-3)
+        contacts += sum(u is None for row in rows for u in row)
+        if not scene.users and abs(scene.step.d) < 0.1:
+            row = rows[ahead.index(0.0)]
+            assert row.index(min(row)) == left.index(0.0)
+    assert contacts
+
+
+def test_every_field_is_kept_on_request_and_else_those_of_decisions(tmp_path, scenes, record):
+    assert len(told(record)["fields"]) > 2 * len([scene for scene in scenes if scene.step.pilot])
+    kept = SurroundingsRecord()
+    for scene in scenes:
+        kept.see(scene._replace(around=None))
+    kept.write_into(tmp_path)
+    written = json.loads((tmp_path / SURROUNDINGS).read_text(encoding="utf-8"))
+    assert [field[0] for field in written["fields"]] == [round(s.step.time, 3) for s in scenes if s.step.pilot and s.field()]
+    assert written["grounds"] == []
 
 
 def test_the_record_of_a_trip_stays_small(record, scenes):
-    found, _ = scenes
+    found = scenes
     size = sum((record / name).stat().st_size for name in (USERS, SURROUNDINGS))
     assert size * 600.0 / (found[-1].step.time - found[0].step.time) < 20e6
 
 
 def test_the_field_is_that_of_the_kernel_which_chose(scenes):
-    found, _ = scenes
-    decided = [scene for scene in found if scene.field is not None and scene.field() is not None]
+    decided = [scene for scene in scenes if scene.step.pilot and scene.field() is not None]
     assert len(decided) > 20
     chosen = 0
     for scene in decided:
@@ -81,13 +121,12 @@ def test_the_field_is_that_of_the_kernel_which_chose(scenes):
 
 
 def test_the_player_gets_what_the_record_holds(record, scenes):
-    found, _ = scenes
-    data = told(record)
+    found, data = scenes, told(record)
     assert len(data["times"]) == len(data["users"]["steps"]) == len(found)
     assert any(label.startswith("red: ") for _, some in data["constraints"] for *_, label in some)
     assert {name for _, letters in data["letters"] for name in letters} == {light[0] for light in data["lights"]}
     assert data["ego"]["length"] == read_run(record).summary["length_m"]
-    assert all(len(row) % 5 == 0 for row in data["users"]["steps"])
+    assert all(len(row) % 6 == 0 for row in data["users"]["steps"])
 
 
 def test_the_page_holds_the_data_packed_and_no_name_breaks_out_of_it(record):
@@ -164,3 +203,12 @@ def test_the_player_plays_goes_to_a_decision_and_says_it(record, tmp_path):
     assert seen["said"].startswith(f"{seen['row']:.1f} s")
     assert seen["next"] > seen["went"]
     assert min(seen["size"]) > 200
+
+
+def test_run_keeps_every_field_on_request_and_only_in_a_folder(tmp_path):
+    scenario = str(ROOT / "scenarios" / "blocked_lane.toml")
+    assert "there is no --out" in sumo_reactive("run", scenario, "--record", "field").stderr
+    answer = sumo_reactive("run", scenario, "--record", "field", "--out", str(tmp_path / "run"), "-q")
+    assert answer.returncode == 0, answer.stderr
+    data = told(tmp_path / "run")
+    assert data["grounds"] and len(data["fields"]) > 0.8 * len(data["times"])
