@@ -19,6 +19,9 @@ from sumo_reactive.driver.world.lateral_conflict import SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph, walk
 
+USUAL_LENGTH_M, USUAL_WIDTH_M = 5.0, 1.8
+"""Who waits inside a junction is taken to be no larger: SUMO's usual car."""
+
 
 @kept(PLANS_KEPT)
 def passages_ahead(
@@ -51,10 +54,11 @@ def _against(conflict: Conflict, plan: NominalPlan, number: int, limits: Vehicle
     wait, path, curve, passage = conflict.other.wait_at, conflict.other.path, plan.curve, plan.passages[number]
     if wait is None or not conflict.is_yielded_to:
         return conflict
-    (x, y), (first_x, first_y), first = path.at(wait), path.at(wait - limits.length), path.heading_at(0.0)
-    before = max(limits.length - wait, 0.0)  # his rear is on the lane that he comes from
+    length, width = min(limits.length, USUAL_LENGTH_M), min(limits.width, USUAL_WIDTH_M)
+    (x, y), (first_x, first_y), first = path.at(wait), path.at(wait - length), path.heading_at(0.0)
+    before = max(length - wait, 0.0)  # his rear is on the lane that he comes from
     heading = math.atan2(y - first_y + before * math.sin(first), x - first_x + before * math.cos(first))
-    box = np.array([(x, y, heading, 0.0, limits.length, limits.width)])
+    box = np.array([(x, y, heading, 0.0, length, width)])
     start, band = max(passage.start, 0.0), band_of(curve, limits)
     which, _ = blocking_ones(box, curve.x, curve.y, curve.heading, curve.step, start, passage.end, *band)
     return conflict._replace(waits_in_the_way=len(which) > 0)
