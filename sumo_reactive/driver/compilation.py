@@ -18,6 +18,7 @@ from sumo_reactive.driver.kernel_folder import CACHE_FOLDER
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
+
 def kernel(function: Function) -> Function:
     """Compile `function` to machine code on first call, cached on disk."""
     compiled: Any = numba.njit(error_model="numpy")(function)

@@ -130,8 +130,8 @@ FILES = {
     ENCOUNTERS: "surrogate safety measures: a row a step and road user ahead, behind, beside or on collision course",
     DECISIONS: "the pilot: a line where behaviour, instruction or the set of decisions changes, or an emergency begins",
     REGIONS: "the outline of each conflict region that the decisions name, by id: points [x, y], m",
-    USERS: "the others: a row a step and road user whom the driver looked at, or within 40 m",
-    SURROUNDINGS: "the roads around, lights, C, places to stop at, U over the commands at each decision",
+    USERS: "the others: a row a step and road user whom the driver looked at, or near: within 150 m, of several egos 40 m",
+    SURROUNDINGS: "the roads around, lights, C, places to stop at, U over the commands at each decision, or at every step",
     SAID: "of a driver of yours that tells its reasons alone: a line where its reason changes, `time_s` and `reason`",
 }
 """The files of a run, and what each holds."""

@@ -18,7 +18,13 @@ from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, mov
 from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
-from sumo_reactive.driver.world.junction import HOLD_BACK_REACH_M, Connection, Junction
+from sumo_reactive.driver.world.junction import (
+    HOLD_BACK_REACH_M,
+    WAITING_LENGTH_M,
+    WAITING_WIDTH_M,
+    Connection,
+    Junction,
+)
 from sumo_reactive.driver.world.lane import road_of
 from sumo_reactive.driver.world.lateral_conflict import LateralConflict, beside, lateral_conflicts
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -26,12 +32,6 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 MAX_CENTRING_M = 0.6
 """In a bend a long vehicle keeps to the outside by at most this, as its rear keeps to the inside: farther, its front bumper
 would reach into the next lane."""
-
-WAITING_LENGTH_M = 5.0
-"""A car of this length…"""
-
-WAITING_WIDTH_M = 1.8
-"""…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
 
 COMFORT_DEVIATION_M = 0.25
 """C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""

@@ -14,13 +14,10 @@ from sumo_reactive.driver.nouns.snapshot import Conflict
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import band_of, blocking_ones
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
-from sumo_reactive.driver.world.junction import Connection
+from sumo_reactive.driver.world.junction import WAITING_LENGTH_M, WAITING_WIDTH_M, Connection
 from sumo_reactive.driver.world.lateral_conflict import SIDE_BY_SIDE_ANGLE
 from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph, walk
-
-USUAL_LENGTH_M, USUAL_WIDTH_M = 5.0, 1.8
-"""Who waits inside a junction is taken to be no larger: SUMO's usual car."""
 
 
 @kept(PLANS_KEPT)
@@ -50,11 +47,11 @@ def _walked(
 
 
 def _against(conflict: Conflict, plan: NominalPlan, number: int, limits: VehicleLimits) -> Conflict:
-    """Return a conflict with whether somebody like the ego, who waits for it where the map says, stands in its corridor."""
+    """Return a conflict with whether a usual car that waits for the ego where the map says stands in its corridor."""
     wait, path, curve, passage = conflict.other.wait_at, conflict.other.path, plan.curve, plan.passages[number]
     if wait is None or not conflict.is_yielded_to:
         return conflict
-    length, width = min(limits.length, USUAL_LENGTH_M), min(limits.width, USUAL_WIDTH_M)
+    length, width = min(limits.length, WAITING_LENGTH_M), min(limits.width, WAITING_WIDTH_M)
     (x, y), (first_x, first_y), first = path.at(wait), path.at(wait - length), path.heading_at(0.0)
     before = max(length - wait, 0.0)  # his rear is on the lane that he comes from
     heading = math.atan2(y - first_y + before * math.sin(first), x - first_x + before * math.cos(first))

@@ -8,6 +8,12 @@ from enum import Enum
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline
 from sumo_reactive.driver.world.right_of_way import RightOfWay
 
+WAITING_LENGTH_M = 5.0
+"""A car of this length…"""
+
+WAITING_WIDTH_M = 1.8
+"""…and width, SUMO's usual ones, is taken to wait inside a junction wherever a turn may."""
+
 HOLD_BACK_REACH_M = 12.0
 """Approach and exit lanes are looked at this far from the stop line for a place where they lie over each other."""
 
