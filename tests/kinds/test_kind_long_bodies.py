@@ -67,6 +67,15 @@ def test_who_is_crooked_behind_a_sharp_turn_waits_for_whose_line_it_covers_there
 
 
 @pytest.mark.parametrize("kind", ["long", "trailer"])
+@pytest.mark.parametrize("first", [3, 5, 7])
+def test_who_is_crooked_behind_a_sharp_turn_waits_for_those_whose_trip_ends_there(tmp_path, kind, first):
+    """They drive up to the line, and turn nowhere behind it."""
+    others = stream("x", "eb", [first + 3 * k for k in range(5)])
+    run = driven(tmp_path, fork(135), car("ego", "ab be", type=kind), others, extra=LONG, until=120)
+    assert run.complaints(slower=5) == []
+
+
+@pytest.mark.parametrize("kind", ["long", "trailer"])
 def test_a_long_body_that_goes_straight_on_waits_for_nobody_on_the_ramp_beside_it(tmp_path, kind):
     """Their ways lie over each other before both lines; it covers no more of the ramp than the map knows."""
     nodes = node("a", -200, 0) + node("r", -140, -55) + node("b", 0, 0) + node("c", 150, 0)

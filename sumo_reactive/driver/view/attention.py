@@ -202,8 +202,8 @@ def foes_of(
             continue
         at, is_person, route = user.lane_position, user.body.is_person, user.route
         for passage, conflict, distance, edges, start, end in watched:
-            if edges and route and edges != route[: len(edges)]:
-                continue
+            if edges and route and edges != route[: len(edges)] and not (start < 0.0 and route == edges[:-1]):
+                continue  # who ends his trip before the line comes to what lies there all the same
             if is_person:
                 foe = _walker(user, passage, conflict, start, end)
                 if foe.to_clear > 0.0:
