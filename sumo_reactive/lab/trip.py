@@ -27,6 +27,7 @@ from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.ego import Ego
+from sumo_reactive.sumo.lying_over import lane_lain_over
 from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observed_vehicle import Bystanders
 from sumo_reactive.sumo.observer import EgoObserver
@@ -41,7 +42,6 @@ from sumo_reactive.sumo.stand_ins import (
     left_behind,
     mapped_elsewhere,
     occupied_lane,
-    tail_across,
 )
 from sumo_reactive.sumo.vehicle_type import front_of
 
@@ -86,7 +86,7 @@ class Trip:
             graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
         )
         self._observer = EgoObserver(ego_id, sensor, ego.limits)
-        self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".turning")
+        self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".besides")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of)
         state = ego.take_over(session.step_length)
@@ -193,7 +193,7 @@ class Trip:
         self._show(*self._occupied(step, here))
 
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
-        """Return where to show the ego besides; in a turn in several moves at two places."""
+        """Return where to show the ego besides, at two places at most."""
         drive, edges = step.drive, self._driving.route.edges
         by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped)
         if drive.memory.move is not None:
@@ -203,7 +203,7 @@ class Trip:
         stop = step.completed.stop.s if step.completed.stop else math.inf
         place = mapped_elsewhere(by, drive.s, edges)
         place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
-        return place or tail_across(by, drive.s, edges), None
+        return place, lane_lain_over(by, drive.s, edges, place.lane.id if place else "")
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

@@ -65,8 +65,8 @@ class Occupant(NamedTuple):
 class OccupiedLane(NamedTuple):
     """A stand-in's place: lane, the point (m) beside which its front bumper is, speed (m/s), the edges that it drives.
 
-    `waits`: it does not appear where somebody already is; `ways`: nor while somebody drives there, on that lane or these;
-    `is_early`: the body is not there yet, and who would have to brake hard for it goes first.
+    `waits`: it does not appear where somebody already is; `ways`: nor while somebody drives there, on these or, unless it
+    `is_early`, on that lane; `is_early`: who would have to brake hard for it goes first; `length`: m (0: the ego's).
     """
 
     lane: Lane
@@ -77,6 +77,7 @@ class OccupiedLane(NamedTuple):
     waits: bool = False
     ways: tuple[str, ...] = ()
     is_early: bool = False
+    length: float = 0.0
 
 
 def occupied_lane(by: Occupant, s: float, edges: tuple[str, ...], stop: float = math.inf) -> OccupiedLane | None:
@@ -116,23 +117,6 @@ def mapped_elsewhere(by: Occupant, s: float, edges: tuple[str, ...]) -> Occupied
         return None
     middle = segment_at(by.plan, s + by.limits.front_overhang - 0.5 * by.limits.length)
     return OccupiedLane(by.graph.lanes[middle.lane_id], *by.front, by.ego.speed, edges[middle.route_index :])
-
-
-def tail_across(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane | None:
-    """Return where to show an ego whose rear lies over the lane beside the one that its plan has it on there; None: it is
-    within its lane. `s`: where its front axle is, m of C; `edges`: its route.
-
-    A long body that has stopped in the middle of a change, or before it stands straight, is else seen where its front is.
-    """
-    tail = segment_at(by.plan, s + by.limits.front_overhang - by.limits.length)
-    (x, y), heading, half = by.behind_front(by.limits.length), by.ego.pose.heading, 0.5 * by.limits.width
-    corners = [(x - side * math.sin(heading), y + side * math.cos(heading)) for side in (-half, half)]
-    for lane in by.graph.neighbours(tail.lane_id):
-        if lane is None or lane.id == by.mapped:
-            continue
-        if min(abs(lane.spine.project(*corner)[1]) for corner in corners) < 0.5 * lane.width - OCCUPIED_LANE_M:
-            return OccupiedLane(lane, *by.front, by.ego.speed, edges[tail.route_index :])
-    return None
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
@@ -250,33 +234,43 @@ class StandIns:
         self._type = f"{PREFIX}type.{ego_id}{label}"
         self._present = ""
         self._edges: tuple[str, ...] = ()
+        self._length = 0.0
 
     def show(self, place: OccupiedLane | None) -> None:
         """Put it where it has to be, or remove it where it need not be (None)."""
         if place is None:
             self.hide()
             return
-        lane, x, y, speed, edges, waits, ways, is_early = place
+        lane, x, y, speed, edges, waits, ways, is_early, fixed = place
         s = min(lane.spine.project(x, y)[0], lane.spine.length - _BEFORE_END_M)
         if self._present and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._present:
-            length = libsumo.vehicle.getLength(self._ego_id)
+            length = fixed or libsumo.vehicle.getLength(self._ego_id)
             if waits and _is_taken(lane, s / lane.scale, length):
                 return
             if is_early and _is_forced(lane, s / lane.scale - length, speed):
                 return
-            if ways and (self._is_driven(lane.id, s / lane.scale) or any(self._is_driven(way) for way in ways)):
+            if ways and not is_early and self._is_driven(lane.id, s / lane.scale):
+                return
+            if any(self._is_driven(way) for way in ways):
                 return
             self._edges = edges
         try:
             if not self._present:
                 self._create(lane, s / lane.scale, speed, edges)
+            self._show_length(fixed)
             libsumo.vehicle.setSpeed(self._present, speed)
             angle = angle_of(lane.spine.heading_at(s))
             libsumo.vehicle.moveToXY(self._present, "", -1, *lane.spine.at(s), angle, KEEP_ROUTE_EXACT)
         except libsumo.TraCIException:  # taken off the road: the next step makes another; or its class may not be there
             self._present = ""
+
+    def _show_length(self, fixed: float) -> None:
+        """Have it as long as it has to be (m; 0: as the ego), which the type is that each is made of."""
+        if fixed != self._length:
+            self._length = fixed
+            libsumo.vehicle.setLength(self._present, fixed or libsumo.vehicle.getLength(self._ego_id))
 
     def hide(self) -> None:
         """Remove the stand-in, if there is one."""
@@ -300,7 +294,7 @@ class StandIns:
         if not self.made:
             self._make_type()
         self.made += 1
-        self._present = f"{self._name}.{self.made}"
+        self._present, self._length = f"{self._name}.{self.made}", 0.0
         libsumo.route.add(self._present, edges)
         starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
         index, at = (str(lane.index), round(position, 2)) if starts_there else ("best", 0.0)

@@ -38,8 +38,3 @@ def ahead(graph, turn, ego, limits, edges):
 def elsewhere(graph, plan, mapped, s, ego, limits, edges):
     """Where it drives while SUMO has it on another way."""
     return stand_ins.mapped_elsewhere(Occupant(graph, plan, plan.segments[1], ego, limits, mapped), s, edges)
-
-
-def across(graph, plan, mapped, s, ego, limits, edges):
-    """The lane beside under its rear."""
-    return stand_ins.tail_across(Occupant(graph, plan, None, ego, limits, mapped), s, edges)

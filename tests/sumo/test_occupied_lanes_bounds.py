@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from occupants import across, ahead, behind, cut_in_bend, elsewhere, in_change, occupied
+from occupants import ahead, behind, cut_in_bend, elsewhere, in_change, occupied
 
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, Turnaround
@@ -207,22 +207,6 @@ def test_an_ego_whom_sumo_has_on_another_way_through_a_junction_is_shown_where_i
     ])  # fmt: skip
     seen = elsewhere(road, plan, mapped, 301.0 - CAR.front_overhang, ego_at(301.0, -4.0), CAR, EDGES)
     assert seen == (OccupiedLane(road.lanes["ab_0"], pytest.approx(301.0), -4.0, 5.0, EDGES) if is_shown else None)
-
-
-LONG = replace(CAR, length=12.0)
-
-
-@pytest.mark.parametrize(
-    ("heading", "mapped", "is_shown"),
-    [(0.0, "ab_1", False), (0.06, "ab_1", False), (0.12, "ab_1", True), (0.3, "ab_1", True), (0.3, "ab_0", False)],
-)
-def test_an_ego_whose_rear_is_over_the_lane_beside_is_shown_there(road, heading, mapped, is_shown):
-    plan = SimpleNamespace(segments=[LaneSegment(lane_id="ab_1", start=0.0, end=300.0, lane_offset=0.0, route_index=0)])
-    reach = LONG.front_to_rear_axle
-    ego = VehicleState(Pose(60.0 - reach * math.cos(heading), -1.6 - reach * math.sin(heading), heading), 5.0, 0.0)
-    seen = across(road, plan, mapped, 60.0 - LONG.front_overhang, ego, LONG, EDGES)
-    there = OccupiedLane(road.lanes["ab_0"], pytest.approx(60.0), pytest.approx(-1.6), 5.0, EDGES)
-    assert seen == (there if is_shown else None)
 
 
 @pytest.mark.parametrize(("mapped", "is_shown"), [("ab_0", True), ("ab_1", False), ("bc_1", False)])

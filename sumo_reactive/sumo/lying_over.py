@@ -1,0 +1,138 @@
+"""Which lane the ego's body lies over although SUMO does not have it there: beside its own, or of others who come."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import shapely
+
+from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.driving import segment_at
+from sumo_reactive.driver.nouns.plan import LaneSegment
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.view.corridor import OFF_TRACKING_M
+from sumo_reactive.driver.view.swept_conflict import swept_conflicts
+from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.sumo.stand_ins import OCCUPIED_LANE_M, Occupant, OccupiedLane
+
+_BEFORE_GOAL_M = 0.5
+"""Who is to stand on a lane where his route ends stands this far before its end, else SUMO lets him arrive."""
+
+_SOON_BEHIND_M = 30.0
+"""Who comes out of a junction has to brake for what stands this near behind it."""
+
+_WIDE_M = 2.5
+"""The width of buses and trucks, m."""
+
+
+def lane_lain_over(by: Occupant, s: float, edges: tuple[str, ...], shown: str = "") -> OccupiedLane | None:
+    """Return where to show an ego whose body lies over a lane on which SUMO does not have it, nor is it `shown` there: the
+    one that it covers most; None: it is within its lanes. `s`: where its front axle is, m of C; `edges`: its route.
+
+    Beside its own lane it is shown driving along. On a lane of others who come towards it or from aside, it is shown as
+    something that stands on the stretch that is covered, where nobody is yet nor would have to brake hard for it: nobody
+    there would else look at it, nor would SUMO keep from putting somebody there.
+    """
+    front = s + by.limits.front_overhang
+    ends = by.here, segment_at(by.plan, front - by.limits.length)
+    corners = _corners(by)
+    if _is_within(by.graph, ends, corners):
+        return None
+    box, most, found = shapely.polygons(corners), 0.0, None
+    for lane, along in _lanes_around(by, ends, front, shown):
+        area = shapely.intersection(box, _middle_of(lane, _left_beside(lane) if along is None else OCCUPIED_LANE_M))
+        if shapely.area(area) > most:
+            most, found = shapely.area(area), (lane, along, area)
+    if found is None:
+        return None
+    lane, along, area = found
+    if along is not None:
+        return OccupiedLane(lane, *by.front, by.ego.speed, edges[along.route_index :])
+    reach = lane.spine.arc_lengths_at(shapely.get_coordinates(area))
+    first, last = float(reach.min()), min(float(reach.max()), lane.spine.length - _BEFORE_GOAL_M)
+    if last <= first:
+        return None
+    place, ways = lane.spine.at(last), _ways_to(by.graph, lane, first)
+    return OccupiedLane(lane, *place, 0.0, (lane.edge_id,), waits=True, ways=ways, is_early=True, length=last - first)
+
+
+def _ways_to(graph: RoadGraph, lane: Lane, first: float) -> tuple[str, ...]:
+    """Return the lanes by which others come to a lane that is covered from `first` m on, if that is near its start."""
+    if first > _SOON_BEHIND_M:
+        return ()
+    return tuple(part for way in graph.ways_into(lane.id) for part in (way.from_lane, *way.parts))
+
+
+def _corners(by: Occupant) -> Any:
+    """Return the corners of the body, front left first and round, (4, 2), m."""
+    heading, half = by.ego.pose.heading, 0.5 * by.limits.width
+    aside = half * np.array((-math.sin(heading), math.cos(heading)))
+    front, rear = np.array(by.front), np.array(by.behind_front(by.limits.length))
+    return np.array((front + aside, front - aside, rear - aside, rear + aside))
+
+
+def _is_within(graph: RoadGraph, ends: tuple[LaneSegment, LaneSegment], corners: Any) -> bool:
+    """Whether each corner is on the lane that C has that end of the body on, or hardly beside it."""
+    for segment, places in zip(ends, (corners[:2], corners[2:]), strict=True):
+        lane = graph.lanes[segment.lane_id]
+        if (np.abs(lane.spine.offsets(places)) > 0.5 * lane.width + OCCUPIED_LANE_M).any():
+            return False
+    return True
+
+
+def _lanes_around(
+    by: Occupant, ends: tuple[LaneSegment, LaneSegment], front: float, shown: str
+) -> Iterator[tuple[Lane, LaneSegment | None]]:
+    """Yield the lanes that the body may lie over, those left out where it is seen, each with the segment of C beside it;
+    None: it leads elsewhere."""
+    graph, seen = by.graph, {shown, *_known_to_sumo(by)}
+    at_junction = any(graph.lanes[segment.lane_id].is_internal for segment in ends)
+    is_passing = at_junction or by.ego.speed >= STANDING_SPEED  # on a road it would stand, and wait for who waits for it
+    for segment in ends:
+        own = graph.lanes[segment.lane_id]
+        for edge in {graph.lanes[lane].edge_id for lane in _roads_of(graph, own)}:
+            for lane in (*graph.edge_lanes[edge], *graph.oncoming(edge)):
+                is_beside = lane.edge_id == own.edge_id
+                if lane.id not in seen and (is_beside or is_passing):
+                    seen.add(lane.id)
+                    yield lane, segment if is_beside else None
+    for i, conflicts in swept_conflicts(by.plan, graph, by.limits).items():
+        passage, reach = by.plan.passages[i], by.limits.length
+        if not passage.start - reach < front < passage.end + 2.0 * reach:
+            continue
+        for conflict in conflicts:
+            lane = graph.lanes[conflict.other.from_lane]
+            if conflict.region.other.start < 0.0 and lane.id not in seen:
+                seen.add(lane.id)
+                yield lane, None
+
+
+def _known_to_sumo(by: Occupant) -> Iterator[str]:
+    """Yield the lane that SUMO maps the ego to, and those of C behind it, on which it has the rear."""
+    lanes = [segment.lane_id for segment in by.plan.segments]
+    yield by.mapped
+    yield from lanes[: lanes.index(by.mapped)] if by.mapped in lanes else ()
+
+
+def _roads_of(graph: RoadGraph, own: Lane) -> tuple[str, ...]:
+    """Return a lane itself, or those that a lane inside a junction leads from and to."""
+    if not own.is_internal:
+        return (own.id,)
+    connection = graph.connection_of[own.id]
+    return connection.from_lane, connection.to_lane
+
+
+def _left_beside(lane: Lane) -> float:
+    """Return how far a body may reach over a lane of others who come, and yet not be in the way of wide ones there, m."""
+    return min(0.5 * (lane.width - _WIDE_M) + OCCUPIED_LANE_M, OFF_TRACKING_M)
+
+
+@kept(PLANS_KEPT)
+def _middle_of(lane: Lane, edge: float) -> Any:
+    """Return the ground of a lane but for its outer `edge` (m) on either side."""
+    half = max(0.5 * lane.width - edge, OCCUPIED_LANE_M)
+    return shapely.buffer(shapely.linestrings(lane.spine.points), half, cap_style="flat")
