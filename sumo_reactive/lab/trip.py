@@ -245,7 +245,7 @@ def _record(
         behaviour=completed.behaviour.value, instruction=completed.instruction.value, pilot=step.runs,
         emergency=execution.emergency, hazard=execution.hazard, decisions=completed.decisions,
         events=completed.events, assessment=completed.assessment, regions=completed.regions, light=light,
-        control_us=control_us, constraints=completed.hard,
+        control_us=control_us, constraints=completed.hard, rooms=completed.rooms,
     )  # fmt: skip
 
 

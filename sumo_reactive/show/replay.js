@@ -101,20 +101,22 @@
     pen.lineTo(x + reach * Math.sin(heading), y - reach * Math.cos(heading));
     pen.stroke();
   };
-  const label = (x, y, text, colour) => {
+  const label = (x, y, text, colour, row = 0) => {
     pen.save();
     pen.translate(x, y);
     pen.scale(1 / scale, -1 / scale);
     pen.font = "12px system-ui, sans-serif";
     pen.lineWidth = 3;
     pen.strokeStyle = colours.back;
-    pen.strokeText(text, 8, 4);
+    pen.strokeText(text, 8, 4 + 15 * row);
     pen.fillStyle = colour;
-    pen.fillText(text, 8, 4);
+    pen.fillText(text, 8, 4 + 15 * row);
     pen.restore();
   };
   const LIGHTS = { r: "#d32f2f", u: "#d32f2f", y: "#e6a700", Y: "#e6a700", g: "#2e9e4f", G: "#2e9e4f", s: "#d32f2f" };
-  const STATES = { occupied: "rgba(211,47,47,.45)", claimed: "rgba(230,159,0,.40)", own: "rgba(0,114,178,.35)", free: "rgba(0,158,115,.16)" };
+  const STATES = { occupied: "rgba(211,47,47,.45)", "claimed by another": "rgba(230,159,0,.40)", "held by the ego": "rgba(0,114,178,.35)", free: "rgba(0,158,115,.16)" };
+
+  const roomsNow = () => (inForce(data.rooms, now) || [0, []])[1];
 
   const draw = () => {
     const { step, mine, users } = scene(), ratio = devicePixelRatio || 1, wide = canvas.clientWidth, high = canvas.clientHeight;
@@ -140,6 +142,15 @@
       outline(data.regions[name]);
       pen.fill();
     }
+    for (const [line, state] of roomsNow()) {
+      pen.strokeStyle = STATES[state] || STATES.free;
+      pen.lineWidth = data.ego.width;
+      pen.setLineDash([1.2, 0.8]);
+      pen.beginPath();
+      for (let k = 0; k < line.length; k += 2) pen.lineTo(line[k], line[k + 1]);
+      pen.stroke();
+      pen.setLineDash([]);
+    }
     const curve = inForce(data.curves, now);
     if (curve) {
       pen.strokeStyle = data.colours[data.behaviours[data.ego.behaviour[step]]] || colours.link;
@@ -161,9 +172,12 @@
     }
     body(mine, data.ego.length, data.ego.width, data.colours[data.behaviours[data.ego.behaviour[step]]] || colours.link, colours.text);
     const held = inForce(data.constraints, now);
+    const rows = {};
     for (const [x, y, heading, , text] of held ? held[1] : []) {
+      const place = `${x.toFixed(0)} ${y.toFixed(0)}`;
+      rows[place] = 1 + (rows[place] ?? -1);
       across(x, y, heading, 3, colours.bad, Math.max(0.3, 2.5 / scale));
-      label(x, y, text, colours.bad);
+      label(x, y, text, colours.bad, rows[place]);
     }
     if (toggles.field) drawField(ratio, high);
     clock.textContent = `${now.toFixed(1)} s · ${mine[3].toFixed(1)} m/s · ${data.behaviours[data.ego.behaviour[step]] || ""}`;
@@ -246,6 +260,12 @@
     }
   };
 
+  // What is said of the post-conflict regions at a place.
+  const roomsAt = (x, y) => roomsNow().filter(([line]) => {
+    for (let k = 0; k < line.length; k += 2) if (Math.hypot(x - line[k], y - line[k + 1]) < 1 + data.ego.width / 2) return true;
+    return false;
+  }).map(([, , told]) => Object.assign(document.createElement("p"), { textContent: told }));
+
   // Time, and the charts that show it.
   const chart = document.getElementById("plot-time");
   let marked = -1;
@@ -323,6 +343,7 @@
       }).sort((a, b) => a[0] - b[0])[0];
       chosen = near && near[0] < Math.max(2, 12 / scale) ? near[1] : null;
       tellAbout();
+      if (chosen === null) about.append(...roomsAt(x, y));
       dirty = true;
     }
     held = null;

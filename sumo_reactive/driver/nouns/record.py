@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Decision, RegionState
+from sumo_reactive.driver.nouns.decision import Decision, PostConflictState, RegionState
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -38,7 +38,7 @@ class StepRecord(NamedTuple):
     crossed). `pilot`: how often `events` activated the pilot in this step; `decisions`, `assessment` and `regions` are those
     of its last activation. `hazard`: what milder braking would not have stopped clear of when `emergency`: a leader's id or
     one of the names above (empty: no command was admissible). `reason`: what a driver of the user's says of why.
-    `constraints`: the places to stop at, as the pilot holds them.
+    `constraints`: the places to stop at, `rooms`: the post-conflict regions ahead, as the pilot holds them.
     """
 
     time: float
@@ -74,6 +74,7 @@ class StepRecord(NamedTuple):
     hazard: str | None = None
     reason: str = ""
     constraints: tuple[TimeConstraint, ...] = ()
+    rooms: tuple[PostConflictState, ...] = ()
 
 
 class CommandField(NamedTuple):
