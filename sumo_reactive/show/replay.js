@@ -9,7 +9,7 @@
   const canvas = part("map"), pen = canvas.getContext("2d"), said = part("said"), about = part("about");
   const slider = part("time"), clock = part("clock"), play = part("play"), rate = part("rate");
   const last = data.times.length - 1, begin = data.times[0], end = data.times[last];
-  const toggles = { follow: true, field: true, ground: true, names: false };
+  const toggles = { follow: true, field: true, ground: true, shadows: true, names: false };
   let now = begin, playing = false, scale = 6, centre = [data.ego.x[0], data.ego.y[0]], chosen = null, before = 0, dirty = true;
 
   // Whatever holds from a time on: a list of [time, …] in order; the entry in force, or null.
@@ -135,6 +135,7 @@
     for (const lane of data.lanes) { outline(lane); pen.fill(); pen.stroke(); }
     for (const lane of data.inside) { outline(lane); pen.fill(); }
     if (toggles.ground) drawGround();
+    if (toggles.shadows) drawShadows();
     const states = inForce(data.states, now);
     for (const [name, [state]] of Object.entries(states ? states[1] : {})) {
       if (!data.regions[name]) continue;
@@ -200,6 +201,18 @@
       pen.fillRect(ahead[i] - side / 2, left[j] - side / 2, side, side);
     }));
     pen.restore();
+  };
+
+  // The shadows of the others at the last decision, the denser the more each counts; they go with whom they belong to.
+  const SHADOWS_S = 1;
+  const drawShadows = () => {
+    const found = inForce(data.shadows, now);
+    if (!found || now - found[0] > SHADOWS_S) return;
+    for (const [weight, corners] of found[1]) {
+      pen.fillStyle = `rgba(123,80,190,${0.18 + 0.4 * Math.min(1, weight)})`;
+      outline(corners);
+      pen.fill();
+    }
   };
 
   // The lattice of commands at the last decision: dark is low, the command chosen then is framed.
@@ -350,7 +363,7 @@
   });
   const keys = { " ": () => setPlaying(!playing), ArrowLeft: () => go(data.times[Math.max(0, stepAt(now) - 1)]),
     ArrowRight: () => go(data.times[Math.min(last, stepAt(now) + 1)]), "+": () => zoom(1.4), "-": () => zoom(1 / 1.4),
-    f: () => toggle("follow"), h: () => toggle("field"), g: () => toggle("ground"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
+    f: () => toggle("follow"), h: () => toggle("field"), g: () => toggle("ground"), s: () => toggle("shadows"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
   canvas.addEventListener("keydown", (event) => {
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();

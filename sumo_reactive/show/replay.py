@@ -53,6 +53,7 @@ class SurroundingsKeys(Keys):
     constraints: list[tuple[Number, list[_Constraint]]]
     rooms: list[tuple[Number, list[RoomKeys]]]
     fields: list[_FieldKeys]
+    shadows: list[tuple[Number, list[tuple[str, Number, _Line]]]]
     grounds: list[_GroundKeys]
 
 
@@ -106,6 +107,7 @@ def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
         "constraints": [[time, [[*one[:4], _label(*one[4:], one[3])] for one in some]] for time, some in found.constraints],
         "rooms": [[time, [[_flat(one[1]), *room_told(one)] for one in some]] for time, some in found.rooms],
         "fields": _fields(found.fields, steps),
+        "shadows": [[time, [[weight, _flat(line)] for _, weight, line in some]] for time, some in found.shadows],
         "grounds": found.grounds,
         "decisions": list(_decisions(recording)),
     }  # fmt: skip
@@ -186,14 +188,14 @@ _PLAYER = (
     '<div class="replay" id="replay-player"><canvas data-part="map" tabindex="0" role="application" '
     'aria-label="Map of the run. Space plays, arrows step, comma and full stop go to the decisions before and after, '
     'plus and minus zoom, f follows the ego, h shows the field, '
-    'g shows U on the ground, n shows names."></canvas><div class="bar">'
+    'g shows U on the ground, s the shadows of the others, n shows names."></canvas><div class="bar">'
     + _button("play", "Play") + _button("back", "‹ decision") + _button("on", "decision ›")
     + '<select data-part="rate" aria-label="speed">'
     + "".join(f'<option value="{rate}"{" selected" * (rate == 1)}>×{rate}</option>' for rate in (0.25, 0.5, 1, 2, 4, 8))
     + '</select><input type="range" data-part="time" aria-label="simulation time, s"><output data-part="clock"></output>'
     + _button("out", "−") + _button("in", "+") + _button("follow", "follow", pressed=True)
     + _button("field", "field", pressed=True) + _button("ground", "ground", pressed=True)
-    + _button("names", "names", pressed=False)
+    + _button("shadows", "shadows", pressed=True) + _button("names", "names", pressed=False)
     + '</div><div class="said" data-part="said" aria-live="polite"></div><div class="about" data-part="about"></div></div>'
 )  # fmt: skip
 

@@ -89,6 +89,20 @@ def test_u_on_the_ground_is_least_along_c_and_none_where_there_would_be_a_contac
     assert contacts
 
 
+def test_the_shadows_of_whom_the_ego_heeds_are_recorded_and_no_others(record, scenes):
+    recorded = dict(json.loads((record / SURROUNDINGS).read_text(encoding="utf-8"))["shadows"])
+    assert len(recorded) == len(scenes)
+    for scene in scenes:
+        cast = recorded[round(scene.step.time, 3)]
+        assert (scene.step.u2 == 0.0) or cast
+        assert all(user and weight > 0.0 for user, weight, _ in cast)
+    assert {len(shadows) for shadows in recorded.values()} >= {0, 1}
+    kept = SurroundingsRecord()
+    for scene in scenes:
+        kept.see(scene._replace(around=None))
+    assert len(kept.told()["shadows"]) == len([scene for scene in scenes if scene.step.pilot])
+
+
 def test_every_field_is_kept_on_request_and_else_those_of_decisions(tmp_path, scenes, record):
     assert len(told(record)["fields"]) > 2 * len([scene for scene in scenes if scene.step.pilot])
     kept = SurroundingsRecord()

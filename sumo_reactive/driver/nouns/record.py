@@ -98,6 +98,15 @@ class GroundField(NamedTuple):
     potentials: NDArray[np.float64]
 
 
+class CastShadow(NamedTuple):
+    """The shadow R_D of a road user: the weight of U_D, and the outline (n, 2) of what his foreseen motion covers along C
+    until the ego meets him, m."""
+
+    user_id: str
+    weight: float
+    outline: NDArray[np.float64]
+
+
 class Bystander(NamedTuple):
     """A road user as it is seen from outside: the middle of its front bumper (m), heading (rad), speed (m/s), size (m), and
     SUMO's bits of its signals: 1 right, 2 left, 8 brakes."""
@@ -119,8 +128,9 @@ class Scene(NamedTuple):
     `beside`: all other vehicles so near that they might touch the ego, though its driver does not look at them. `world`: the
     roads around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force
     (None: its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands
-    among which this step's was chosen, `ground` over the places around (None: its driver has none), `around` everybody
-    near, also who is no matter of the driver's (None: they are not told); it is asked before the next step or not at all.
+    among which this step's was chosen, `ground` over the places around, `shadows` what casts U₂ (None: its driver has none),
+    `around` everybody near, also who is no matter of the driver's (None: they are not told); it is asked before the next
+    step or not at all.
     """
 
     step: StepRecord
@@ -133,4 +143,5 @@ class Scene(NamedTuple):
     lights: Mapping[str, str] = NO_LIGHTS
     field: Callable[[], CommandField | None] | None = None
     ground: Callable[[], GroundField] | None = None
+    shadows: Callable[[], tuple[CastShadow, ...]] | None = None
     around: Callable[[], tuple[Bystander, ...]] | None = None
