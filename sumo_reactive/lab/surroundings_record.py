@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from sumo_reactive.driver.geometry.curve import Curve
-from sumo_reactive.driver.nouns.record import Bystander, CommandField, GroundField, Scene
+from sumo_reactive.driver.nouns.decision import PostConflictState
+from sumo_reactive.driver.nouns.record import Bystander, CastShadow, CommandField, GroundField, Scene
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.columns import write_columns
 
-SURROUNDINGS_VERSION = 2
+SURROUNDINGS_VERSION = 3
 """Of both files; another release may write another."""
 
 USERS, SURROUNDINGS = "users.parquet", "surroundings.json"
@@ -46,7 +47,9 @@ SURROUNDINGS_MEANINGS = {
     "letters": "[time from when on, letters by light]: s",
     "curves": "[time from when on, points [x, y] of C]: s, m",
     "constraints": "[time from when on, places to stop at: [x, y, until when (null: for good), reason, cause]]: s, m",
+    "rooms": "[time from when on, post-conflict regions: [connection, points of C, state, cause, whether awaited]]: s, m",
     "fields": "[time, accelerations, steering rates, U by both (null: not admissible)] of decisions, or all: s, m/s², rad/s",
+    "shadows": "[time, R_D of others: [user, weight of U_D, corners [x, y]]] of decisions, or of all steps: s, m",
     "grounds": "[time, x, y, heading of the front, places ahead and left of it, U there (null: contact)]: s, m, rad",
 }
 """Keys of SURROUNDINGS."""
@@ -77,8 +80,10 @@ class SurroundingsRecord:
         self._letters: list[tuple[float, dict[str, str]]] = []
         self._curves: list[tuple[float, Curve]] = []
         self._constraints: list[tuple[float, list[list[Any]]]] = []
+        self._rooms: list[tuple[float, list[list[Any]]]] = []
         self._track: list[tuple[float, float]] = []
         self._fields: list[list[Any]] = []
+        self._shadows: list[list[Any]] = []
         self._grounds: list[list[Any]] = []
 
     def see(self, scene: Scene) -> None:
@@ -95,6 +100,8 @@ class SurroundingsRecord:
         self._keep_constraints(scene)
         if (step.pilot or self._every_field) and scene.field is not None and (field := scene.field()) is not None:
             self._fields.append(_field(step.time, field))
+        if (step.pilot or self._every_field) and scene.shadows is not None:
+            self._shadows.append([round(step.time, 3), [_shadow(one) for one in scene.shadows()]])
         if self._every_field and step.pilot and scene.ground is not None:
             self._grounds.append(_ground(step.time, scene.ground()))
 
@@ -108,7 +115,7 @@ class SurroundingsRecord:
         columns |= {name: numbers[:, k].astype(np.float32) for k, name in enumerate(USER_NUMBERS[1:-1])}
         columns[USER_NUMBERS[-1]] = np.array(self._signals, dtype=np.uint8)
         write_columns(folder / USERS, columns)
-        text = json.dumps(self._told(), allow_nan=False, separators=(",", ":"))
+        text = json.dumps(self.told(), allow_nan=False, separators=(",", ":"))
         (folder / SURROUNDINGS).write_text(text + "\n", encoding="utf-8")
 
     def _keep_users(self, scene: Scene) -> None:
@@ -136,8 +143,11 @@ class SurroundingsRecord:
         ]
         if not self._constraints or self._constraints[-1][1] != found:
             self._constraints.append((scene.step.time, found))
+        rooms = [_room(scene.plan.curve, one) for one in scene.step.rooms]
+        if rooms != (self._rooms[-1][1] if self._rooms else []):
+            self._rooms.append((scene.step.time, rooms))
 
-    def _told(self) -> dict[str, Any]:
+    def told(self) -> dict[str, Any]:
         """Return SURROUNDINGS as plain data: places in m, headings in rad, times in s."""
         return {
             "version": SURROUNDINGS_VERSION,
@@ -147,7 +157,9 @@ class SurroundingsRecord:
             "letters": [[round(time, 3), letters] for time, letters in self._letters],
             "curves": [[round(time, 3), _points(curve)] for time, curve in self._curves],
             "constraints": [[round(time, 3), found] for time, found in self._constraints],
+            "rooms": [[round(time, 3), found] for time, found in self._rooms],
             "fields": self._fields,
+            "shadows": self._shadows,
             "grounds": self._grounds,
         }
 
@@ -182,6 +194,17 @@ def _points(curve: Curve) -> list[list[float]]:
     step = max(1, round(KEPT_STEP_M / curve.step))
     picked = np.column_stack([curve.x[::step], curve.y[::step]])
     return [[float(x), float(y)] for x, y in picked.round(_DECIMALS)]
+
+
+def _room(curve: Curve, state: PostConflictState) -> list[Any]:
+    """Return connection, points of C in the room behind it (m), state, cause and whether the ego waits."""
+    points = np.linspace(state.start, state.end, 2 + int((state.end - state.start) / KEPT_STEP_M))
+    line = [_rounded(*curve.at(float(s))[:2]) for s in points]
+    return [state.connection_id, line, state.occupancy.value, state.cause, state.waits]
+
+
+def _shadow(shadow: CastShadow) -> list[Any]:
+    return [shadow.user_id, round(shadow.weight, _DECIMALS), [_rounded(*corner) for corner in shadow.outline.tolist()]]
 
 
 def _field(time: float, field: CommandField) -> list[Any]:

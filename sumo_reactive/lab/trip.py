@@ -11,6 +11,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.compilation import interrupts_kept
 from sumo_reactive.driver.controller import PARTS, Controller, Parts, Step
 from sumo_reactive.driver.driving import Driving, segment_at, set_out
+from sumo_reactive.driver.field.cast_shadows import cast_shadows
 from sumo_reactive.driver.field.executor import field_over
 from sumo_reactive.driver.field.ground import ground_field
 from sumo_reactive.driver.kernel_folder import is_cached, mark_cached
@@ -117,6 +118,7 @@ class Trip:
         lane_id = self._mapped = self._ego.lane(step.drive.ego)
         plan, light = self._driving.drive.plan, self._light_crossed(step)
         self._count(step)
+        seen = self._traffic.users
         self._go_on(self._driving.after(step, self._session.time))
         self._traffic = self._observe()
         if self._is_first and not is_cached():
@@ -131,7 +133,8 @@ class Trip:
         has_field = self.profile == Profile.DEFAULT.value
         field = partial(field_over, step.snapshot, step.completed, self.limits, period) if has_field else None
         ground = partial(ground_field, step.snapshot, step.completed, self.limits) if has_field else None
-        return Scene(record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field, ground)
+        shadows = partial(cast_shadows, step.snapshot, step.completed, self.limits, seen) if has_field else None
+        return Scene(record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field, ground, shadows)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
@@ -245,7 +248,7 @@ def _record(
         behaviour=completed.behaviour.value, instruction=completed.instruction.value, pilot=step.runs,
         emergency=execution.emergency, hazard=execution.hazard, decisions=completed.decisions,
         events=completed.events, assessment=completed.assessment, regions=completed.regions, light=light,
-        control_us=control_us, constraints=completed.hard,
+        control_us=control_us, constraints=completed.hard, rooms=completed.rooms,
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@
   const canvas = part("map"), pen = canvas.getContext("2d"), said = part("said"), about = part("about");
   const slider = part("time"), clock = part("clock"), play = part("play"), rate = part("rate");
   const last = data.times.length - 1, begin = data.times[0], end = data.times[last];
-  const toggles = { follow: true, field: true, ground: true, names: false };
+  const toggles = { follow: true, field: true, ground: true, shadows: true, names: false };
   let now = begin, playing = false, scale = 6, centre = [data.ego.x[0], data.ego.y[0]], chosen = null, before = 0, dirty = true;
 
   // Whatever holds from a time on: a list of [time, …] in order; the entry in force, or null.
@@ -101,20 +101,22 @@
     pen.lineTo(x + reach * Math.sin(heading), y - reach * Math.cos(heading));
     pen.stroke();
   };
-  const label = (x, y, text, colour) => {
+  const label = (x, y, text, colour, row = 0) => {
     pen.save();
     pen.translate(x, y);
     pen.scale(1 / scale, -1 / scale);
     pen.font = "12px system-ui, sans-serif";
     pen.lineWidth = 3;
     pen.strokeStyle = colours.back;
-    pen.strokeText(text, 8, 4);
+    pen.strokeText(text, 8, 4 + 15 * row);
     pen.fillStyle = colour;
-    pen.fillText(text, 8, 4);
+    pen.fillText(text, 8, 4 + 15 * row);
     pen.restore();
   };
   const LIGHTS = { r: "#d32f2f", u: "#d32f2f", y: "#e6a700", Y: "#e6a700", g: "#2e9e4f", G: "#2e9e4f", s: "#d32f2f" };
-  const STATES = { occupied: "rgba(211,47,47,.45)", claimed: "rgba(230,159,0,.40)", own: "rgba(0,114,178,.35)", free: "rgba(0,158,115,.16)" };
+  const STATES = { occupied: "rgba(211,47,47,.45)", "claimed by another": "rgba(230,159,0,.40)", "held by the ego": "rgba(0,114,178,.35)", free: "rgba(0,158,115,.16)" };
+
+  const roomsNow = () => (inForce(data.rooms, now) || [0, []])[1];
 
   const draw = () => {
     const { step, mine, users } = scene(), ratio = devicePixelRatio || 1, wide = canvas.clientWidth, high = canvas.clientHeight;
@@ -133,12 +135,22 @@
     for (const lane of data.lanes) { outline(lane); pen.fill(); pen.stroke(); }
     for (const lane of data.inside) { outline(lane); pen.fill(); }
     if (toggles.ground) drawGround();
+    if (toggles.shadows) drawShadows();
     const states = inForce(data.states, now);
     for (const [name, [state]] of Object.entries(states ? states[1] : {})) {
       if (!data.regions[name]) continue;
       pen.fillStyle = STATES[state] || STATES.free;
       outline(data.regions[name]);
       pen.fill();
+    }
+    for (const [line, state] of roomsNow()) {
+      pen.strokeStyle = STATES[state] || STATES.free;
+      pen.lineWidth = data.ego.width;
+      pen.setLineDash([1.2, 0.8]);
+      pen.beginPath();
+      for (let k = 0; k < line.length; k += 2) pen.lineTo(line[k], line[k + 1]);
+      pen.stroke();
+      pen.setLineDash([]);
     }
     const curve = inForce(data.curves, now);
     if (curve) {
@@ -161,9 +173,12 @@
     }
     body(mine, data.ego.length, data.ego.width, data.colours[data.behaviours[data.ego.behaviour[step]]] || colours.link, colours.text);
     const held = inForce(data.constraints, now);
+    const rows = {};
     for (const [x, y, heading, , text] of held ? held[1] : []) {
+      const place = `${x.toFixed(0)} ${y.toFixed(0)}`;
+      rows[place] = 1 + (rows[place] ?? -1);
       across(x, y, heading, 3, colours.bad, Math.max(0.3, 2.5 / scale));
-      label(x, y, text, colours.bad);
+      label(x, y, text, colours.bad, rows[place]);
     }
     if (toggles.field) drawField(ratio, high);
     clock.textContent = `${now.toFixed(1)} s · ${mine[3].toFixed(1)} m/s · ${data.behaviours[data.ego.behaviour[step]] || ""}`;
@@ -186,6 +201,18 @@
       pen.fillRect(ahead[i] - side / 2, left[j] - side / 2, side, side);
     }));
     pen.restore();
+  };
+
+  // The shadows of the others at the last decision, the denser the more each counts; they go with whom they belong to.
+  const SHADOWS_S = 1;
+  const drawShadows = () => {
+    const found = inForce(data.shadows, now);
+    if (!found || now - found[0] > SHADOWS_S) return;
+    for (const [weight, corners] of found[1]) {
+      pen.fillStyle = `rgba(123,80,190,${0.18 + 0.4 * Math.min(1, weight)})`;
+      outline(corners);
+      pen.fill();
+    }
   };
 
   // The lattice of commands at the last decision: dark is low, the command chosen then is framed.
@@ -245,6 +272,12 @@
       about.append(button);
     }
   };
+
+  // What is said of the post-conflict regions at a place.
+  const roomsAt = (x, y) => roomsNow().filter(([line]) => {
+    for (let k = 0; k < line.length; k += 2) if (Math.hypot(x - line[k], y - line[k + 1]) < 1 + data.ego.width / 2) return true;
+    return false;
+  }).map(([, , told]) => Object.assign(document.createElement("p"), { textContent: told }));
 
   // Time, and the charts that show it.
   const chart = document.getElementById("plot-time");
@@ -323,13 +356,14 @@
       }).sort((a, b) => a[0] - b[0])[0];
       chosen = near && near[0] < Math.max(2, 12 / scale) ? near[1] : null;
       tellAbout();
+      if (chosen === null) about.append(...roomsAt(x, y));
       dirty = true;
     }
     held = null;
   });
   const keys = { " ": () => setPlaying(!playing), ArrowLeft: () => go(data.times[Math.max(0, stepAt(now) - 1)]),
     ArrowRight: () => go(data.times[Math.min(last, stepAt(now) + 1)]), "+": () => zoom(1.4), "-": () => zoom(1 / 1.4),
-    f: () => toggle("follow"), h: () => toggle("field"), g: () => toggle("ground"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
+    f: () => toggle("follow"), h: () => toggle("field"), g: () => toggle("ground"), s: () => toggle("shadows"), n: () => toggle("names"), ",": () => jump(-1), ".": () => jump(1) };
   canvas.addEventListener("keydown", (event) => {
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();

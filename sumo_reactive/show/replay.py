@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import duckdb
 from pydantic import Field
 
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import is_there
 from sumo_reactive.lab.schema import Keys, Number, read_json
@@ -23,6 +23,7 @@ from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.explain import paragraph
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html
 from sumo_reactive.show.recording import CLOSE_S, Recording, Steps
+from sumo_reactive.show.sentences import REASONS
 
 MOST_USER_ROWS = 5_000_000
 """Users in steps that are read at most: an hour among 140 others."""
@@ -33,6 +34,8 @@ _CM, _MRAD = 100, 1000
 _Place = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _Line = list[_Place]
 _Constraint = tuple[Number, Number, Number, Number | None, str, str]
+RoomKeys = tuple[str, _Line, Occupancy, str, bool]
+"""Connection, points of C, state, cause, whether the ego waits."""
 _FieldKeys = tuple[Number, list[Number], list[Number], list[list[Number | None]]]
 
 _GroundKeys = tuple[Number, tuple[Number, Number, Number], list[Number], list[Number], list[list[Number | None]]]
@@ -48,7 +51,9 @@ class SurroundingsKeys(Keys):
     letters: list[tuple[Number, dict[str, str]]]
     curves: list[tuple[Number, _Line]]
     constraints: list[tuple[Number, list[_Constraint]]]
+    rooms: list[tuple[Number, list[RoomKeys]]]
     fields: list[_FieldKeys]
+    shadows: list[tuple[Number, list[tuple[str, Number, _Line]]]]
     grounds: list[_GroundKeys]
 
 
@@ -100,7 +105,9 @@ def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
         "states": [[entry.time, _states(entry)] for entry in recording.entries],
         "curves": [[time, _flat(line)] for time, line in found.curves],
         "constraints": [[time, [[*one[:4], _label(*one[4:], one[3])] for one in some]] for time, some in found.constraints],
+        "rooms": [[time, [[_flat(one[1]), *room_told(one)] for one in some]] for time, some in found.rooms],
         "fields": _fields(found.fields, steps),
+        "shadows": [[time, [[weight, _flat(line)] for _, weight, line in some]] for time, some in found.shadows],
         "grounds": found.grounds,
         "decisions": list(_decisions(recording)),
     }  # fmt: skip
@@ -144,6 +151,19 @@ def _label(reason: str, cause: str, until: float | None) -> str:
     return known.format(cause) + (f" until {until:.1f} s" if until is not None else "")
 
 
+def room_told(room: RoomKeys) -> tuple[str, str]:
+    """Return how a post-conflict region is coloured, and its state in a sentence."""
+    connection, _, occupancy, cause, waits = room
+    if occupancy is Occupancy.OCCUPIED:
+        told = REASONS[Reason.EXIT_BLOCKED].waits.format(region=connection, cause=cause)
+        return occupancy.value, f"The post-conflict region is taken: the ego {told}."
+    if waits:
+        told = f"it would have to stop{f' for {cause}' if cause else ''} in the room behind."
+        return Occupancy.CLAIMED.value, f"The ego waits before connection {connection}: {told}"
+    held = "held by the ego" if occupancy is Occupancy.OWN else "free"
+    return occupancy.value, f"The post-conflict region behind connection {connection} is {held}."
+
+
 def _fields(found: Sequence[_FieldKeys], steps: Steps) -> list[list[Any]]:
     """Return the lattices, each with the command chosen then."""
     gains, rates = steps["command_acceleration_m_s2"], steps["command_steering_rate_rad_s"]
@@ -168,14 +188,14 @@ _PLAYER = (
     '<div class="replay" id="replay-player"><canvas data-part="map" tabindex="0" role="application" '
     'aria-label="Map of the run. Space plays, arrows step, comma and full stop go to the decisions before and after, '
     'plus and minus zoom, f follows the ego, h shows the field, '
-    'g shows U on the ground, n shows names."></canvas><div class="bar">'
+    'g shows U on the ground, s the shadows of the others, n shows names."></canvas><div class="bar">'
     + _button("play", "Play") + _button("back", "‹ decision") + _button("on", "decision ›")
     + '<select data-part="rate" aria-label="speed">'
     + "".join(f'<option value="{rate}"{" selected" * (rate == 1)}>×{rate}</option>' for rate in (0.25, 0.5, 1, 2, 4, 8))
     + '</select><input type="range" data-part="time" aria-label="simulation time, s"><output data-part="clock"></output>'
     + _button("out", "−") + _button("in", "+") + _button("follow", "follow", pressed=True)
     + _button("field", "field", pressed=True) + _button("ground", "ground", pressed=True)
-    + _button("names", "names", pressed=False)
+    + _button("shadows", "shadows", pressed=True) + _button("names", "names", pressed=False)
     + '</div><div class="said" data-part="said" aria-live="polite"></div><div class="about" data-part="about"></div></div>'
 )  # fmt: skip
 
@@ -184,5 +204,6 @@ def facts_of(summary: Mapping[str, Any]) -> str:
     """Return how the player is used, in a sentence."""
     return (
         "Play, or drag the time; click on a vehicle to see what was decided about it, on a decision below to go there. "
-        f"Shown are {summary['ego']} in the colour of its behaviour, its leader framed, C, places to stop at, regions."
+        f"Shown are {summary['ego']} in the colour of its behaviour, its leader framed, C, places to stop at, "
+        "conflict regions, and post-conflict regions as stripes: a click on one tells its state."
     )

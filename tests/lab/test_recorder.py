@@ -110,7 +110,7 @@ def test_a_record_has_its_files_and_nothing_beside_them(tmp_path):
 
 
 def test_the_trajectory_has_a_row_a_step_and_a_column_a_field(tmp_path):
-    elsewhere = {"decisions", "events", "assessment", "regions", "reason", "constraints"}
+    elsewhere = {"decisions", "events", "assessment", "regions", "reason", "constraints", "rooms"}
     assert set(COLUMNS) == set(StepRecord._fields) - elsewhere
     recorded(tmp_path / "it's")
     table = duckdb.read_parquet(str(tmp_path / "it's" / "trajectory.parquet"))

@@ -14,13 +14,15 @@ import pytest
 from helpers.browser import BROWSER, NO_BROWSER, browsed
 from helpers.programs import sumo_reactive
 
+from sumo_reactive.driver.nouns.decision import Occupancy
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.lab.surroundings_record import RECORDED_M, SURROUNDINGS, USERS, SurroundingsRecord
+from sumo_reactive.show import replay
 from sumo_reactive.show.recording import read_run, read_steps
-from sumo_reactive.show.replay import payload_of, replay_of
+from sumo_reactive.show.replay import payload_of, replay_of, room_told
 from sumo_reactive.show.reports import page_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -87,6 +89,20 @@ def test_u_on_the_ground_is_least_along_c_and_none_where_there_would_be_a_contac
     assert contacts
 
 
+def test_the_shadows_of_whom_the_ego_heeds_are_recorded_and_no_others(record, scenes):
+    recorded = dict(json.loads((record / SURROUNDINGS).read_text(encoding="utf-8"))["shadows"])
+    assert len(recorded) == len(scenes)
+    for scene in scenes:
+        cast = recorded[round(scene.step.time, 3)]
+        assert (scene.step.u2 == 0.0) or cast
+        assert all(user and weight > 0.0 for user, weight, _ in cast)
+    assert {len(shadows) for shadows in recorded.values()} >= {0, 1}
+    kept = SurroundingsRecord()
+    for scene in scenes:
+        kept.see(scene._replace(around=None))
+    assert len(kept.told()["shadows"]) == len([scene for scene in scenes if scene.step.pilot])
+
+
 def test_every_field_is_kept_on_request_and_else_those_of_decisions(tmp_path, scenes, record):
     assert len(told(record)["fields"]) > 2 * len([scene for scene in scenes if scene.step.pilot])
     kept = SurroundingsRecord()
@@ -127,6 +143,37 @@ def test_the_player_gets_what_the_record_holds(record, scenes):
     assert {name for _, letters in data["letters"] for name in letters} == {light[0] for light in data["lights"]}
     assert data["ego"]["length"] == read_run(record).summary["length_m"]
     assert all(len(row) % 6 == 0 for row in data["users"]["steps"])
+
+
+def test_a_post_conflict_region_is_on_c_and_says_who_takes_it(record, scenes):
+    told_rooms = told(record)["rooms"]
+    taken = [room for _, some in told_rooms for room in some if room[1] == "occupied"]
+    assert {room[1] for _, some in told_rooms for room in some} == {"free", "occupied", "held by the ego"}
+    assert all("stops before connection from_south_1->to_west_1, since west_north.1" in room[2] for room in taken)
+    step = next(scene.step for scene in scenes if any(room.waits for room in scene.step.rooms))
+    assert {room.cause for room in step.rooms} & {decision.cause for decision in step.decisions}
+    assert all(min(math.dist(room[0][:2], point) for point in zip(curve[::2], curve[1::2], strict=True)) < 2.0
+               for time, some in told_rooms for room in some
+               for _, curve in [next(one for one in reversed(told(record)["curves"]) if one[0] <= time)])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("room", "colour", "sentence"),
+    [
+        (("a->b", [], Occupancy.OCCUPIED, "x", True), "occupied", "taken: the ego stops before connection a->b, since x"),
+        (("a->b", [], Occupancy.FREE, "x", True), "claimed by another", "it would have to stop for x in the room behind"),
+        (("a->b", [], Occupancy.OWN, "", False), "held by the ego", "behind connection a->b is held by the ego"),
+    ],
+)
+def test_a_click_on_a_post_conflict_region_says_its_state(room, colour, sentence):
+    found = room_told(room)
+    assert found[0] == colour and sentence in found[1]
+
+
+def test_the_player_knows_a_colour_for_every_state():
+    script = Path(replay.__file__).with_name("replay.js").read_text(encoding="utf-8")
+    colours = re.search(r"const STATES = \{(.*)\}", script)[1]
+    assert all(re.search(rf'(^|[ "]){one.value}"?: "rgba', colours) for one in Occupancy)
 
 
 def test_the_page_holds_the_data_packed_and_no_name_breaks_out_of_it(record):

@@ -9,7 +9,7 @@ from functools import cached_property
 
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason, RegionState
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, PostConflictState, Reason, RegionState
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.plan import Aside, Move, NominalPlan
 
@@ -97,6 +97,7 @@ class CompletedPlan:
     assessment: Assessment = NOT_ASSESSED
     events: tuple[Event, ...] = ()
     regions: tuple[RegionState, ...] = ()
+    rooms: tuple[PostConflictState, ...] = ()
     move: Move | None = None
 
     @cached_property

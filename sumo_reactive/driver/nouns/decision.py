@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -101,3 +102,24 @@ class RegionState:
     region: str
     occupancy: Occupancy
     user_id: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PostConflictState:
+    """The post-conflict region behind connection `connection_id`, from `start` to `end` on C (m), as the pilot finds it.
+
+    It is free where the ego need wait for nobody there, occupied by `cause` who leaves no room in it, or the ego's once that
+    is past the stop line. `waits`: the ego waits before the junction, for the room to be left, or since it
+    would have to stop there for `cause`.
+    """
+
+    connection_id: str
+    start: float
+    end: float
+    occupancy: Occupancy
+    cause: str = ""
+    waits: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.start <= self.end < math.inf:
+            raise ValueError(f"a region from {self.start} to {self.end}")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.assessment import NOT_ASSESSED, Assessment
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Decision, RegionState
+from sumo_reactive.driver.nouns.decision import Decision, PostConflictState, RegionState
 from sumo_reactive.driver.nouns.event import Event
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import RoadUser
@@ -38,7 +38,7 @@ class StepRecord(NamedTuple):
     crossed). `pilot`: how often `events` activated the pilot in this step; `decisions`, `assessment` and `regions` are those
     of its last activation. `hazard`: what milder braking would not have stopped clear of when `emergency`: a leader's id or
     one of the names above (empty: no command was admissible). `reason`: what a driver of the user's says of why.
-    `constraints`: the places to stop at, as the pilot holds them.
+    `constraints`: the places to stop at, `rooms`: the post-conflict regions ahead, as the pilot holds them.
     """
 
     time: float
@@ -74,6 +74,7 @@ class StepRecord(NamedTuple):
     hazard: str | None = None
     reason: str = ""
     constraints: tuple[TimeConstraint, ...] = ()
+    rooms: tuple[PostConflictState, ...] = ()
 
 
 class CommandField(NamedTuple):
@@ -97,6 +98,15 @@ class GroundField(NamedTuple):
     potentials: NDArray[np.float64]
 
 
+class CastShadow(NamedTuple):
+    """The shadow R_D of a road user: the weight of U_D, and the outline (n, 2) of what his foreseen motion covers along C
+    until the ego meets him, m."""
+
+    user_id: str
+    weight: float
+    outline: NDArray[np.float64]
+
+
 class Bystander(NamedTuple):
     """A road user as it is seen from outside: the middle of its front bumper (m), heading (rad), speed (m/s), size (m), and
     SUMO's bits of its signals: 1 right, 2 left, 8 brakes."""
@@ -118,8 +128,9 @@ class Scene(NamedTuple):
     `beside`: all other vehicles so near that they might touch the ego, though its driver does not look at them. `world`: the
     roads around the route on which the step was driven (None: nobody knows them). `plan`: the nominal plan then in force
     (None: its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands
-    among which this step's was chosen, `ground` over the places around (None: its driver has none), `around` everybody
-    near, also who is no matter of the driver's (None: they are not told); it is asked before the next step or not at all.
+    among which this step's was chosen, `ground` over the places around, `shadows` what casts U₂ (None: its driver has none),
+    `around` everybody near, also who is no matter of the driver's (None: they are not told); it is asked before the next
+    step or not at all.
     """
 
     step: StepRecord
@@ -132,4 +143,5 @@ class Scene(NamedTuple):
     lights: Mapping[str, str] = NO_LIGHTS
     field: Callable[[], CommandField | None] | None = None
     ground: Callable[[], GroundField] | None = None
+    shadows: Callable[[], tuple[CastShadow, ...]] | None = None
     around: Callable[[], tuple[Bystander, ...]] | None = None

@@ -277,6 +277,7 @@ def _completed(
         assessment=situation.assessment,
         events=situation.events,
         regions=rules.regions,
+        rooms=rules.rooms,
     )
 
 

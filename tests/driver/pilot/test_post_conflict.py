@@ -6,9 +6,9 @@ import pytest
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.constraint import stop_at
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.driver.pilot.passages import crossings
-from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, taken_by, wait_before
+from sumo_reactive.driver.pilot.rules.post_conflict import is_clear_at, states_of, taken_by, wait_before
 from sumo_reactive.driver.world.regions import ConflictKind
 
 NORTH = ("from_south", "to_north")
@@ -64,6 +64,25 @@ def test_who_comes_towards_the_ego_out_of_the_room_behind_does_not_take_it(along
     (there,) = (obstacle._replace(along=along, across=0.0) for obstacle in situation.snapshot.on_path)
     snapshot = situation.snapshot._replace(on_path=(there,))
     assert taken_by(way, snapshot, situation.memory, situation.limits) == ("x" if takes_it else "")
+
+
+@pytest.mark.parametrize(
+    ("blocked", "before_it", "past", "expected"),
+    [
+        (None, None, -1.0, (Occupancy.FREE, "", False)),
+        (None, None, 1.0, (Occupancy.OWN, "", False)),
+        ("x", None, -1.0, (Occupancy.OCCUPIED, "x", True)),
+        (None, "red", -1.0, (Occupancy.FREE, "red", True)),
+    ],
+)
+def test_the_room_behind_is_free_taken_waited_for_or_the_egos(blocked, before_it, past, expected):
+    ego = before("four_way_priority", NORTH, 20.0, 5.0)
+    situation = ego.considered()
+    way, limits = situation.ways[0], situation.limits
+    waits = [name and stop_at(way.line, Reason.EXIT_BLOCKED, cause=name) for name in (blocked, before_it)]
+    (state,) = states_of(way, *waits, way.passage.start + past, limits)
+    assert (state.occupancy, state.cause, state.waits) == expected
+    assert (state.start, state.end) == (way.post, is_clear_at(way, limits) + limits.standstill_gap)
 
 
 @pytest.mark.parametrize(("behind", "place"), [(-0.5, 0.0), (0.5, None)])

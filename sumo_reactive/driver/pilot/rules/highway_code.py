@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.assessment import Encounter
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
-from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, Reason, RegionState
+from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Occupancy, PostConflictState, Reason, RegionState
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
@@ -41,7 +41,7 @@ HIGHWAY_CODE: frozenset[Rule] = frozenset(Rule)
 class Rules(NamedTuple):
     """Every place to stop at, the decisions to go on although somebody comes, the regions of the next passage; `judged`:
     the foes who matter at any passage; `exits`: what is behind each; `arrivals`: when the ego may be where it goes after
-    somebody; `met`: whom it would meet first in a region if it went on."""
+    somebody; `met`: whom it would meet first in a region if it went on; `rooms`: the state of the room behind each."""
 
     stops: tuple[Wait, ...]
     passes: tuple[Decision, ...]
@@ -50,6 +50,7 @@ class Rules(NamedTuple):
     exits: tuple[Exit, ...] = ()
     arrivals: tuple[TimeConstraint, ...] = ()
     met: Encounter | None = None
+    rooms: tuple[PostConflictState, ...] = ()
 
 
 def ask(
@@ -80,8 +81,7 @@ def ask(
         before, later = None, tuple(stop for stop, _ in stops)
         if Rule.POST_CONFLICT in asked:
             before = post_conflict.wait_before(way, later, snapshot, memory, limits)
-            is_taken = any(stop.reason is Reason.EXIT_BLOCKED for stop, _ in rules.stops)
-            rules = rules._replace(exits=(Exit(way, later, is_taken, before is not None),))
+            rules = _with_room_behind(rules, way, later, before, view)
         stops.extend([] if before is None else [(before, decision_of(before))])
         stops.extend(wait for wait in rules.stops if wait[0].s >= snapshot.front - limits.front_overhang)
         found.insert(0, rules)
@@ -91,7 +91,8 @@ def ask(
     exits = tuple(one for rules in found for one in rules.exits)
     arrivals = tuple(one for rules in found for one in rules.arrivals)
     first = next((rules.met for rules in found if rules.met is not None), None)
-    return Rules(tuple(stops), passes, regions, judged, exits, arrivals, first), memory
+    rooms = tuple(one for rules in found for one in rules.rooms)
+    return Rules(tuple(stops), passes, regions, judged, exits, arrivals, first, rooms), memory
 
 
 def _passage(
@@ -126,6 +127,16 @@ def _passage(
     judged = tuple(judgement for judgement, _ in found)
     arrivals = () if waits else tuple(region.arrivals_of((judgement for judgement, _ in found), way, snapshot))
     return Rules(tuple(stops), passes if late is None else (late, *passes), states, judged, (), arrivals, met), memory
+
+
+def _with_room_behind(
+    rules: Rules, way: Crossing, later: tuple[TimeConstraint, ...], before: TimeConstraint | None, view: View
+) -> Rules:
+    """Return what a passage asks for with what was found behind it, where the stops `later` are and which of them is made
+    `before`."""
+    blocked = next((stop for stop, _ in rules.stops if stop.reason is Reason.EXIT_BLOCKED), None)
+    rooms = post_conflict.states_of(way, blocked, before, view.snapshot.front, view.limits)
+    return rules._replace(exits=(Exit(way, later, blocked is not None, before is not None),), rooms=rooms)
 
 
 def _is_worth_a_word(judgement: Judgement) -> bool:

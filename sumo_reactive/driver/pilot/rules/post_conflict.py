@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Occupancy, PostConflictState, Reason
 from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
@@ -131,6 +131,23 @@ def wait_before(
     if first is None or (first.reason in _LIGHTS and memory.lost == way.connection.id):
         return None
     return first._replace(s=way.line)
+
+
+def states_of(
+    way: Crossing, blocked: TimeConstraint | None, before: TimeConstraint | None, front: float, limits: VehicleLimits
+) -> tuple[PostConflictState, ...]:
+    """Return the state of the room behind a passage, if it has one, by the stops `before` it: for it is `blocked`, or the
+    ego would stop in it."""
+    if way.post == -math.inf:
+        return ()
+    waits = blocked or before
+    occupancy = Occupancy.OCCUPIED if blocked else Occupancy.OWN if front > way.passage.start else Occupancy.FREE
+    end = is_clear_at(way, limits) + limits.standstill_gap
+    state = PostConflictState(
+        connection_id=way.connection.id, start=way.post, end=end, occupancy=occupancy, cause=waits.cause if waits else "",
+        waits=waits is not None,
+    )  # fmt: skip
+    return (state,)
 
 
 def clear_of(
