@@ -64,6 +64,20 @@ RecordOption = Annotated[
     list[RecordName] | None, typer.Option(help="field: U over the commands at every step, over the ground at decisions")
 ]
 
+EgoOption = Annotated[
+    list[str] | None, typer.Option(help="vehicle to drive (repeatable); else one named 'ego', else the first car")
+]
+
+ShareOption = Annotated[
+    float | None, typer.Option(min=0.0, max=1.0, help="drive this share of all cars, drawn by id and seed")
+]
+
+HorizonOption = Annotated[float | None, typer.Option(min=0.1, help="end this long after the departure of the one ego, s")]
+
+PolygonsOption = Annotated[
+    str | None, typer.Option(metavar="TYPE", help="polygons of this type stand on the road; else those of 'obstacle'")
+]
+
 _EXAMPLE = "Example: sumo-reactive run my.sumocfg --ego veh_12 --out DIR -- --tripinfo-output t.xml"
 
 
@@ -71,18 +85,16 @@ _EXAMPLE = "Example: sumo-reactive run my.sumocfg --ego veh_12 --out DIR -- --tr
 def run(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
-    ego: Annotated[
-        list[str] | None, typer.Option(help="vehicle to drive (repeatable); else one named 'ego', else the first car")
-    ] = None,
+    ego: EgoOption = None,
     ego_type: Annotated[list[str] | None, typer.Option(help="drive every vehicle of this type")] = None,
-    ego_probability: Annotated[
-        float | None, typer.Option(min=0.0, max=1.0, help="drive this share of all cars, drawn by id and seed")
-    ] = None,
+    ego_probability: ShareOption = None,
     seed: Annotated[int | None, typer.Option(min=0, help="seed of the random numbers; else the scenario's, else 42")] = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     profile: Annotated[ProfileName | None, typer.Option(help="the paper's nine commands, or the finer default")] = None,
     delays: Annotated[DelaysName | None, typer.Option(help="shift times by a delay, as in the paper, or re-plan")] = None,
     until: Annotated[float | None, typer.Option(help="end at this simulation time, s")] = None,
+    horizon: HorizonOption = None,
+    obstacle_polygons: PolygonsOption = None,
     parameter: ParameterOption = None,
     driver: Annotated[str | None, typer.Option(help=DRIVER_HELP)] = None,
     driver_option: DriverOptions = None,
@@ -101,7 +113,8 @@ def run(
     scenario, named = load_scenario(config), ego or []
     scenario = with_options(
         scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
-        profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end,
+        profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end or None,
+        horizon_s=horizon, obstacle_polygons=obstacle_polygons,
         parameters=parameters_with(scenario, parameter or []),
         driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None),
         sumo_options=tuple(context.obj or ()),

@@ -7,6 +7,7 @@ import json
 import os
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -18,7 +19,7 @@ from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.world.regions import ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.columns import STEP_TYPES, trajectory_columns, write_columns
+from sumo_reactive.lab.columns import STEP_TYPES, digest_of, trajectory_columns, write_columns
 from sumo_reactive.lab.metrics.moment import Neighbourhood
 from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
@@ -167,7 +168,7 @@ class _Record:
         if reasons := reasons_in(self._steps):
             told = (json.dumps({"time_s": round(time, 3), "reason": reason}) + "\n" for time, reason in reasons)
             (folder / SAID).write_text("".join(told), encoding="utf-8")
-        _write_json(folder / SUMMARY, summary_of(result), indent=2)
+        _write_json(folder / SUMMARY, summary_of(replace(result, trajectory=digest_of(self._steps))), indent=2)
 
     def _regions_named(self) -> Iterator[ConflictRegion]:
         named = {state.region for step in self._steps for state in step.regions}

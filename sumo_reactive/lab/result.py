@@ -68,6 +68,10 @@ class TrialResult:
     """Traceback of a driver of the user's that has failed; empty: none has."""
     metric_failures: tuple[MetricFailure, ...] = ()
     """Metrics of the user's own that gave no number, and why."""
+    command: str = ""
+    """The command that drives it again; empty: one of several egos."""
+    trajectory: str = ""
+    """Digest of every step but for wall-clock times, where it was recorded: equal trips, equal digests."""
     length_m: float = field(kw_only=True)
     """The ego's length."""
     width_m: float = field(kw_only=True)

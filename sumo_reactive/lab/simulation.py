@@ -6,10 +6,9 @@ A trial is a simulation of one driver of this project, the baseline one of SUMO'
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import tempfile
 import time as clock
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +20,7 @@ import numpy
 from sumo_reactive import __version__
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.errors import NetworkError, PlanError, ScenarioError, SimulationError
-from sumo_reactive.lab.columns import COLUMNS
+from sumo_reactive.lab.columns import digest_of
 from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.drivers.loading import controller_parts, is_of_parts, maker_of
 from sumo_reactive.lab.drivers.users_trip import UsersTrip
@@ -32,7 +31,7 @@ from sumo_reactive.lab.result import FleetResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
 from sumo_reactive.lab.surroundings_record import RECORDED_M
-from sumo_reactive.lab.task import Task
+from sumo_reactive.lab.task import Task, replay_command
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.lab.worlds import Worlds, world_kept
@@ -245,7 +244,7 @@ def run_trial(
         )  # fmt: skip
         simulation.run_one()
         files = trip_files()
-    return _recounted(files, simulation)[0]
+    return replace(_recounted(files, simulation)[0], command=_command_of(scenario, simulation))
 
 
 def taking_over(scenario: Scenario) -> Callable[[Session, str, WorldSource, Sensor], Trip | UsersTrip]:
@@ -275,7 +274,12 @@ def run_sumo_driver(
                 start, scenario, lambda ego: WatchedTrip(session, ego, net_file, stuck_s), observer, progress
             )
             simulation.run_one()
-        return as_told(simulation.results[0], trips)
+        return replace(as_told(simulation.results[0], trips), command=_command_of(scenario, simulation))
+
+
+def _command_of(scenario: Scenario, simulation: Simulation) -> str:
+    """Return what drives the one ego of a simulation again."""
+    return replay_command(Task(replace(scenario, ego=simulation.results[0].ego)))
 
 
 def run_fleet(
@@ -347,9 +351,6 @@ def _require_egos(simulation: Simulation, rule: EgoRule, scenario: Scenario) -> 
     raise ScenarioError(f"{scenario.source}: no vehicle is chosen as an ego {until}")
 
 
-_FIELDS = [field for field in COLUMNS if field != "control_us"]
-
-
 def run_observed(task: Task) -> dict[str, Any]:
     """Run a task in this process; return the fields that its `Outcome` takes from the trial."""
     steps: list[StepRecord] = []
@@ -367,11 +368,3 @@ def run_recorded(order: tuple[Task, Path]) -> None:
     task, folder = order
     recorder = Recorder(folder, overwrite=True)
     recorder.write(run_trial(task.scenario, observer=recorder.see))
-
-
-def digest_of(steps: Iterable[StepRecord]) -> str:
-    """Return a digest of all that the steps hold as it is written to `trajectory.parquet`, but for wall-clock times."""
-    digest = hashlib.sha256()
-    for step in steps:
-        digest.update(repr([getattr(step, field) for field in _FIELDS]).encode())
-    return digest.hexdigest()

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import json
 import shlex
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
+from pathlib import Path
+from typing import Any
 
-from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice
+from sumo_reactive.driver.parameters import Delays, Profile
+from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice, chosen_driver
 from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
 from sumo_reactive.lab.result import NetworkResult, TrialResult
-from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.trace import Entry
+from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 
 SHARE = "share"
 """What a share of egos is called among the values that vary from trial to trial."""
@@ -69,10 +75,65 @@ def replay_command(task: Task) -> str:
     """Return the command line that repeats a task."""
     scenario = task.scenario
     share = [] if task.share is None else ["--ego-probability", f"{task.share:g}"]
-    words = ["sumo-reactive", "run", str(scenario.source), *share, *_options(scenario)]
+    words = [*_RUN, str(scenario.source), *share, *_options(scenario)]
     if scenario.sumo_options:
         words += ["--", *scenario.sumo_options]
     return shlex.join(words)
+
+
+def task_of(command: str) -> Task:
+    """Return what a command written by `replay_command` runs: with the same files the same task, but for what is `counted`.
+
+    Raises ScenarioError for another command, and what reading the scenario raises.
+    """
+    try:
+        program, verb, source, *words = shlex.split(command)
+        if (program, verb) != _RUN:
+            raise ValueError(program)
+        end = words.index("--") if "--" in words else len(words)
+        given = _given(words[:end])
+        fields = {key: read(given[option][-1]) for option, (key, read) in _FIELDS.items() if option in given}
+        varied = {name: float(value) for name, value in map(_halves, given.get("--parameter", ()))}
+        share = float(given["--ego-probability"][-1]) if "--ego-probability" in given else None
+        options = {name: json.loads(value) for name, value in map(_halves, given.get("--driver-option", ()))}
+    except ValueError as error:
+        raise ScenarioError(f"not the command of a run: {command}") from error
+    scenario = load_scenario(Path(source))
+    if "--driver" in given:
+        fields["driver"] = chosen_driver(given["--driver"][-1], options, Path.cwd())
+    parameters, sumo_options = scenario.parameters.with_values(varied), tuple(words[end + 1 :])
+    return Task(replace(scenario, parameters=parameters, sumo_options=sumo_options, **fields), share)
+
+
+_RUN = "sumo-reactive", "run"
+
+_FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
+    "--ego": ("ego", str), "--seed": ("seed", int), "--step-length": ("step_length_s", float),
+    "--until": ("until_s", float), "--horizon": ("horizon_s", float), "--until-end": ("until_end", bool),
+    "--obstacle-polygons": ("obstacle_polygons", str), "--profile": ("profile", Profile), "--delays": ("delays", Delays),
+}  # fmt: skip
+"""Options that stand for a field of a scenario: its name, and what reads the option's text."""
+
+_MORE = "--parameter", "--driver", "--driver-option", "--ego-probability"
+
+
+def _given(words: Sequence[str]) -> dict[str, list[str]]:
+    """Return the values of each option; raise ValueError for what is none of those that `replay_command` writes."""
+    given: dict[str, list[str]] = {}
+    rest = iter(words)
+    for option in rest:
+        if option not in _FIELDS and option not in _MORE:
+            raise ValueError(option)
+        value = option if option == "--until-end" else next(rest, None)
+        if value is None:
+            raise ValueError(option)
+        given.setdefault(option, []).append(value)
+    return given
+
+
+def _halves(text: str) -> tuple[str, str]:
+    name, _, value = text.partition("=")
+    return name, value
 
 
 def driver_words(driver: DriverChoice) -> list[str]:
@@ -85,13 +146,21 @@ def driver_words(driver: DriverChoice) -> list[str]:
 
 def _options(scenario: Scenario) -> list[str]:
     words = ["--ego", scenario.ego] if scenario.ego is not None else []
-    words += ["--seed", str(scenario.seed)]
-    if scenario.step_length_s is not None:
-        words += ["--step-length", f"{scenario.step_length_s:g}"]
-    if scenario.until_s is not None:
-        words += ["--until", f"{scenario.until_s:g}"]
+    words += ["--seed", str(scenario.seed), *_ends(scenario)]
+    if scenario.obstacle_polygons != OBSTACLE_POLYGONS:
+        words += ["--obstacle-polygons", scenario.obstacle_polygons]
     for name, value in scenario.parameters.varied.items():
         words += ["--parameter", f"{name}={value!r}"]
     if scenario.driver != REACTIVE:
         return [*words, *driver_words(scenario.driver)]
     return [*words, "--profile", scenario.profile.value, "--delays", scenario.delays.value]
+
+
+def _ends(scenario: Scenario) -> Iterator[str]:
+    """Yield the options about time, each number with all its digits."""
+    named = {"step-length": scenario.step_length_s, "until": scenario.until_s, "horizon": scenario.horizon_s}
+    for name, value in named.items():
+        if value is not None:
+            yield from (f"--{name}", f"{value:g}" if float(f"{value:g}") == value else repr(value))
+    if scenario.until_end:
+        yield "--until-end"

@@ -11,13 +11,14 @@ import pytest
 from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab import simulation
+from sumo_reactive.lab.columns import digest_of
 from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of
 from sumo_reactive.lab.egos import EgoRule
 from sumo_reactive.lab.recorder import fleet_summary
 from sumo_reactive.lab.result import rows_of as shown
 from sumo_reactive.lab.result import summary_of
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.simulation import digest_of, run_fleet, run_sumo_driver, run_trial
+from sumo_reactive.lab.simulation import run_fleet, run_sumo_driver, run_trial
 from sumo_reactive.sumo.config import read_config
 
 ROOT = Path(__file__).parents[2]

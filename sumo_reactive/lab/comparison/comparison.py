@@ -109,7 +109,8 @@ class Pair:
     @property
     def replay(self) -> str:
         """The command that drives the trip again under the driver that is compared."""
-        return replay_command(Task(replace(self.scenario, ego=self.ego)))
+        run = self.driven.outcome.task.scenario
+        return replay_command(Task(replace(run, ego=self.ego, sumo_options=self.scenario.sumo_options)))
 
 
 @dataclass(frozen=True)

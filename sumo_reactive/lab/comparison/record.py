@@ -25,7 +25,7 @@ JSON_MEANINGS = {
     "pairs_driven": "pairs in which both runs got to an end",
     "drivers": "SUMO's own, and the one that is compared",
     "metrics": "of each metric by key: n, both means, their paired difference, `low` and `high` of its interval, its method",
-    "pairs": "of each pair: scenario, ego, seed, both runs with the commands that repeat them, values of each metric",
+    "pairs": "of each pair: scenario, ego, seed, both runs with command and digest of the steps, values of each metric",
     "versions": "of this package, SUMO and the libraries that numbers depend on",
 }
 """Keys of `comparison.json`."""
@@ -162,6 +162,7 @@ def _side(side: Side) -> dict[str, object]:
     told: dict[str, object] = {"ending": side.outcome.ending.value, "verdict": side.verdict}
     if result is None:
         return told
+    told["trajectory"] = side.outcome.trajectory
     return told | {"departure_s": result.departure_s, "end_s": result.end_s, "figures": result.metrics}
 
 

@@ -23,6 +23,7 @@ class SideKeys(Keys):
     verdict: str
     command: str
     figures: Annotated[_Figures, Field(default_factory=dict)]
+    trajectory: str = ""
 
 
 class PairKeys(Keys):
