@@ -8,11 +8,12 @@ class ExitCode(IntEnum):
 
     DONE = 0
     """Nothing is wanting: the ego has arrived without a collision or violation (`run`, `demo`), every expectation is met
-    (`check`), every trial has a result (`batch`), both drivers got to an end in every pair (`compare`)."""
+    (`check`), every trial has a result (`batch`), both drivers got to an end in every pair (`compare`), every run is
+    the same again (`reproduce`)."""
     WANTING = 1
     """A collision, a red light run, a right of way taken, no arrival, a driver or a metric of the user's that failed (`run`,
     `demo`), an expectation that is not met (`check`), a trial without a result (`batch`), a run that did not get to its end
-    (`compare`)."""
+    (`compare`), or is another than it was (`reproduce`)."""
     UNUSABLE = 2
     """Wrong usage or input, or an output that cannot be written: one line names file and place, nothing is left behind."""
     SUMO_FAILED = 3

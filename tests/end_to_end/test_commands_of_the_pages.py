@@ -11,7 +11,7 @@ import sys
 import pytest
 from helpers.programs import ROOT, sumo_reactive
 
-PAGES = ("README.md", *(f"docs/{name}.md" for name in ("batch", "check", "compare", "replay", "run")))
+PAGES = ("README.md", *(f"docs/{name}.md" for name in ("batch", "check", "compare", "publish", "replay", "run")))
 """Those of demo.md, figures.md and drivers.md have tests of their own, with what those say."""
 
 SMALL = """[experiment]
