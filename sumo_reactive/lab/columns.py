@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.record import StepRecord
+from sumo_reactive.lab.metric_names import metric_of
+from sumo_reactive.lab.schema import RECORD_VERSION
 from sumo_reactive.lab.tables import as_os_errors
 
 
@@ -76,14 +79,18 @@ STEP_TYPES = {one.name: _SQL_TYPES[one.kind] for one in STEP_COLUMNS.values() if
 def write_columns(path: Path, table: Mapping[str, NDArray[Any]], types: Mapping[str, str] | None = None) -> None:
     """Write arrays of one length as a Parquet file; NaN becomes NULL. Raises OSError if that cannot be done.
 
+    Its metadata tell the `version` of a record's files and, as JSON, the `units` of the columns that are numbers.
+
     `types` are those of DuckDB by column; a column of objects is text in any case, also one that is empty or all None.
     """
     cast = {name: "VARCHAR" for name, column in table.items() if column.dtype == object} | dict(types or {})
     columns = (f'CAST("{name}" AS {cast[name]}) AS "{name}"' if name in cast else f'"{name}"' for name in table)
+    units = json.dumps({name: metric_of(name).unit for name in table if name not in cast}, ensure_ascii=False)
     with duckdb.connect() as database:
         database.register("steps", dict(table))
         with as_os_errors():
-            database.sql(f"SELECT {', '.join(columns)} FROM steps").write_parquet(str(path))
+            told = f"(FORMAT parquet, KV_METADATA {{version: '{RECORD_VERSION}', units: '{units}'}})"
+            database.execute(f"COPY (SELECT {', '.join(columns)} FROM steps) TO ? {told}", [str(path)])
 
 
 def digest_of(steps: Iterable[StepRecord]) -> str:

@@ -24,7 +24,7 @@ from sumo_reactive.lab.metrics.moment import Neighbourhood
 from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
 from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
-from sumo_reactive.lab.schema import Keys, Number, read_json
+from sumo_reactive.lab.schema import RECORD_VERSION, Keys, Number, read_json, require_version
 from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USERS, SurroundingsRecord
 from sumo_reactive.lab.trace import entries, line_of
 from sumo_reactive.writing import require_writable, whole_folder
@@ -38,6 +38,7 @@ def write_trajectory(path: Path, steps: Sequence[StepRecord]) -> None:
 FLEET = "fleet.json"
 
 FLEET_MEANINGS = {
+    "version": "of the files of a record",
     "exit_code": "0: no ego has a fault; else 1",
     "until_s": "simulation time at the end",
     "egos": "each ego with the `folder` of its own record, its `verdict` and its metrics",
@@ -113,12 +114,19 @@ class RefusedKeys(Keys):
 class FleetKeys(Keys):
     """`fleet.json`."""
 
+    version: int = 0
     egos: list[FleetEgoKeys]
     refused: list[RefusedKeys]
 
 
 def read_fleet(folder: Path) -> FleetKeys:
-    """Return what the `fleet.json` in a folder says; raise ScenarioError if it is no record of several egos."""
+    """Return what the `fleet.json` in a folder says; raise ScenarioError if it is no record of several egos of today."""
+    found = _fleet_in(folder)
+    require_version(found.version, RECORD_VERSION, str(folder / FLEET))
+    return found
+
+
+def _fleet_in(folder: Path) -> FleetKeys:
     return read_json(folder / FLEET, FleetKeys, "the record of several egos")
 
 
@@ -247,7 +255,7 @@ def replaced_in(folder: Path, overwrite: bool) -> list[Path]:
     found = [name for name in (FLEET, *FILES) if os.path.lexists(folder / name)]
     if found and not overwrite:
         raise ScenarioError(f"{folder}: holds another run ({', '.join(found)}); use --overwrite or another folder")
-    places = [".", *((one.folder for one in read_fleet(folder).egos) if FLEET in found else ())]
+    places = [".", *((one.folder for one in _fleet_in(folder).egos) if FLEET in found else ())]
     candidates = [Path(place, name) for place in places for name in (FLEET, *FILES, PAGE)] if found else []
     return [path for path in candidates if os.path.lexists(folder / path)]
 
@@ -255,6 +263,7 @@ def replaced_in(folder: Path, overwrite: bool) -> list[Path]:
 def fleet_summary(fleet: FleetResult, folder_of: Callable[[str], str]) -> dict[str, object]:
     """Return what all egos came to as plain data, units in the keys, wall-clock figures under `timing`."""
     return {
+        "version": RECORD_VERSION,
         "exit_code": fleet.exit_code,
         "until_s": fleet.until,
         "egos": [

@@ -12,6 +12,7 @@ from sumo_reactive.lab.driving_score import driving_score
 from sumo_reactive.lab.fault import COLLISION, HARD_BRAKING, Fault, MetricFailure
 from sumo_reactive.lab.fundamental_diagram import DiagramPoint
 from sumo_reactive.lab.metric_names import EVERY, METRICS, TIMINGS, metric_of
+from sumo_reactive.lab.schema import RECORD_VERSION
 
 if TYPE_CHECKING:
     from sumo_reactive.sumo.launch import OptionOverride
@@ -209,7 +210,7 @@ def summary_of(result: TrialResult) -> dict[str, object]:
     plain |= {name: [_fault_line(one) for one in faults] for name, faults in harms.items()}
     plain["violations"] = [_fault_line(one) | {"kind": one.kind} for one in result.violations]
     ends = {"duration_s": result.duration_s, "verdict": result.verdict, "exit_code": result.exit_code}
-    return {name: _finite(value) for name, value in (ends | plain).items()}
+    return {"version": RECORD_VERSION} | {name: _finite(value) for name, value in (ends | plain).items()}
 
 
 def rows_of(result: TrialResult) -> list[Row]:

@@ -134,6 +134,10 @@ def _without_place(message: str) -> str:
 
 Schema = TypeVar("Schema")
 
+RECORD_VERSION = 4
+"""Version of all files of a record: what keys and columns they have, and what these mean. A record of another is refused."""
+
+
 MOST_RECORD_BYTES = 2**28
 """No file of a record is larger."""
 
@@ -172,3 +176,9 @@ def checked(text: str | bytes, schema: type[Schema], place: str, what: str) -> S
         else:
             told = (f"key '{key}': " if key else "") + str(problem["msg"]).removeprefix("Value error, ")
         raise ScenarioError(f"{place}: not {what}: {told}") from error
+
+
+def require_version(found: int, known: int, place: str) -> None:
+    """Raise ScenarioError for a file of another version than this release writes; 0: of a release before there were any."""
+    if found != known:
+        raise ScenarioError(f"{place}: of version {found}, and this release reads {known}: make it again")

@@ -17,9 +17,7 @@ from sumo_reactive.driver.nouns.record import Bystander, CastShadow, CommandFiel
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.columns import write_columns
-
-SURROUNDINGS_VERSION = 3
-"""Of both files; another release may write another."""
+from sumo_reactive.lab.schema import RECORD_VERSION
 
 USERS, SURROUNDINGS = "users.parquet", "surroundings.json"
 USER_MEANINGS = {
@@ -40,7 +38,7 @@ USER_NUMBERS = tuple(name for name in USER_MEANINGS if name != "user")
 """Those that are numbers."""
 
 SURROUNDINGS_MEANINGS = {
-    "version": "of this file and of `users.parquet`",
+    "version": "of the files of a record",
     "lanes": "outline of each lane within 200 m of the way driven, by id: points [x, y], m",
     "inside": "the same of lanes inside junctions",
     "lights": "[light, index of its letter, x, y, heading of the stop line, lane's width]: m, rad",
@@ -150,7 +148,7 @@ class SurroundingsRecord:
     def told(self) -> dict[str, Any]:
         """Return SURROUNDINGS as plain data: places in m, headings in rad, times in s."""
         return {
-            "version": SURROUNDINGS_VERSION,
+            "version": RECORD_VERSION,
             "lanes": {lane.id: _outline(lane) for lane in self._lanes() if not lane.is_internal},
             "inside": {lane.id: _outline(lane) for lane in self._lanes() if lane.is_internal},
             "lights": list(self._lights()),

@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import is_there, text_of
 from sumo_reactive.lab.recorder import DECISIONS, REGIONS, SAID, SUMMARY, TRAJECTORY
-from sumo_reactive.lab.schema import MOST_RECORD_BYTES, Keys, Number, checked, read_json
+from sumo_reactive.lab.schema import MOST_RECORD_BYTES, RECORD_VERSION, Keys, Number, checked, read_json, require_version
 from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry, read_entries
 
@@ -65,6 +65,7 @@ class _ReasonKeys(Keys):
 class _SummaryKeys(Keys):
     model_config = ConfigDict(extra="allow")
 
+    version: int = 0
     ego: _Text
     scenario: _Text
     verdict: _Text
@@ -125,7 +126,9 @@ def read_run(folder: Path) -> Recording:
     missing = [name for name in (SUMMARY, DECISIONS, TRAJECTORY) if not (folder / name).is_file()]
     if missing:
         raise ScenarioError(f"{folder}: not the record of a run: it has no {' and no '.join(missing)}")
-    summary = read_json(folder / SUMMARY, _SummaryKeys, "the summary of a run").model_dump(exclude_unset=True)
+    told = read_json(folder / SUMMARY, _SummaryKeys, "the summary of a run")
+    require_version(told.version, RECORD_VERSION, str(folder / SUMMARY))
+    summary = told.model_dump(exclude_unset=True)
     entries = tuple(sorted(read_entries(folder / DECISIONS), key=lambda entry: entry.time))
     has_regions = is_there(folder / REGIONS)
     regions = read_json(folder / REGIONS, _Regions, "the regions of a run") if has_regions else {}

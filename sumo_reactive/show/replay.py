@@ -16,8 +16,8 @@ from pydantic import Field
 from sumo_reactive.driver.nouns.decision import Occupancy, Reason
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import is_there
-from sumo_reactive.lab.schema import Keys, Number, read_json
-from sumo_reactive.lab.surroundings_record import SURROUNDINGS, SURROUNDINGS_VERSION, USER_NUMBERS, USERS
+from sumo_reactive.lab.schema import RECORD_VERSION, Keys, Number, read_json, require_version
+from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USER_NUMBERS, USERS
 from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.explain import paragraph
@@ -80,8 +80,7 @@ def replay_of(recording: Recording, steps: Steps) -> Html | None:
 def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
     """Return what the player shows as plain data, as `replay.js` reads it."""
     found = read_json(recording.folder / SURROUNDINGS, SurroundingsKeys, "the surroundings of a run")
-    if found.version != SURROUNDINGS_VERSION:
-        raise ScenarioError(f"{recording.folder / SURROUNDINGS}: of version {found.version}, not {SURROUNDINGS_VERSION}")
+    require_version(found.version, RECORD_VERSION, str(recording.folder / SURROUNDINGS))
     users = _users(recording, steps)
     numbers = {name: k for k, name in enumerate(users["ids"])}
     behaviours = list(dict.fromkeys(steps["behaviour"]))

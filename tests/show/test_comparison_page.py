@@ -8,7 +8,7 @@ import re
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.comparison.record import JSON_FILE
+from sumo_reactive.lab.comparison.record import COMPARISON_VERSION, JSON_FILE
 from sumo_reactive.lab.comparison.recorded import read_comparison
 from sumo_reactive.show.batch_trials import pairs_of
 from sumo_reactive.show.comparison_page import trials_compared
@@ -32,7 +32,8 @@ def pair(seed, theirs, ours, **others):
 
 
 def folder_with(tmp_path, *pairs, drivers=("sumo", "mine:Driver")):
-    (tmp_path / JSON_FILE).write_text(json.dumps({"drivers": drivers, "pairs": pairs}), encoding="utf-8")
+    told = {"version": COMPARISON_VERSION, "drivers": drivers, "pairs": pairs}
+    (tmp_path / JSON_FILE).write_text(json.dumps(told), encoding="utf-8")
     return tmp_path
 
 
@@ -72,8 +73,11 @@ def test_what_happened_to_the_others_is_compared_also_where_the_ego_has_not_arri
     [
         ("[]", "not a comparison"),
         ('{"drivers": ["sumo"], "pairs": []}', "key 'drivers'"),
-        ('{"drivers": ["other", "sumo"], "pairs": []}', "not SUMO's own and another"),
-        (json.dumps({"drivers": ["sumo", "another"], "pairs": [pair(1, 1.0, 1.0)]}), "key 'pairs.0.another' is missing"),
+        ('{"version": 1, "drivers": ["other", "sumo"], "pairs": []}', "not SUMO's own and another"),
+        (
+            json.dumps({"version": COMPARISON_VERSION, "drivers": ["sumo", "another"], "pairs": [pair(1, 1.0, 1.0)]}),
+            "key 'pairs.0.another' is missing",
+        ),
         (json.dumps({"drivers": ["sumo", "mine:Driver"], "pairs": [pair(1, 1e99, 1.0)]}), "pairs.0.sumo.figures"),
     ],
 )

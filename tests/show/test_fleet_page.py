@@ -6,6 +6,7 @@ import re
 import pytest
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.schema import RECORD_VERSION
 from sumo_reactive.show.reports import page_beside, page_of
 
 
@@ -13,7 +14,8 @@ def fleet(folder, *egos):
     folder.mkdir()
     clean = {"verdict": "arrived without a violation", "duration_s": 12.5, "collisions": 0}
     found = [{"ego": ego, "folder": ego.replace(" ", "%20"), **clean} for ego in egos]
-    text = json.dumps({"egos": found, "refused": [{"vehicle": "tram", "reason": "a rail vehicle"}]})
+    refused = [{"vehicle": "tram", "reason": "a rail vehicle"}]
+    text = json.dumps({"version": RECORD_VERSION, "egos": found, "refused": refused})
     (folder / "fleet.json").write_text(text, encoding="utf-8")
     return folder
 

@@ -16,21 +16,17 @@ from api_pages import ROOT
 
 from reference.markdown import coded, page, said_below, table
 from sumo_reactive.lab.batch.store_file import STORE_TABLES, VERSION
+from sumo_reactive.lab.bundle.manifest import BUNDLE_VERSION, MANIFEST
 from sumo_reactive.lab.columns import STEP_COLUMNS
-from sumo_reactive.lab.comparison.record import CSV_FILE, CSV_MEANINGS, JSON_FILE, JSON_MEANINGS
+from sumo_reactive.lab.comparison.record import COMPARISON_VERSION, CSV_FILE, CSV_MEANINGS, JSON_FILE, JSON_MEANINGS
 from sumo_reactive.lab.metric_names import metric_of
 from sumo_reactive.lab.metrics.safety.series import ENCOUNTER_MEANINGS
 from sumo_reactive.lab.recorder import DECISIONS, ENCOUNTERS, FILES, FLEET, FLEET_MEANINGS, SUMMARY, TRAJECTORY, Recorder
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import load_scenario
+from sumo_reactive.lab.schema import RECORD_VERSION
 from sumo_reactive.lab.simulation import run_trial
-from sumo_reactive.lab.surroundings_record import (
-    SURROUNDINGS,
-    SURROUNDINGS_MEANINGS,
-    SURROUNDINGS_VERSION,
-    USER_MEANINGS,
-    USERS,
-)
+from sumo_reactive.lab.surroundings_record import SURROUNDINGS, SURROUNDINGS_MEANINGS, USER_MEANINGS, USERS
 from sumo_reactive.lab.trace import EntryKeys, NounKeys
 
 RECORDED = ROOT / "scenarios" / "four_way_priority.toml"
@@ -39,9 +35,24 @@ RECORDED = ROOT / "scenarios" / "four_way_priority.toml"
 STEP_MEANINGS = {one.name: one.meaning for one in STEP_COLUMNS.values()}
 _JSON_TYPES = {str: "text", bool: "true or false", int: "number", float: "number", list: "list", dict: "table"}
 
-READING = f"""A name ends in its unit; `null` or NULL is where there is none. `version` of `{SURROUNDINGS}` is
-{SURROUNDINGS_VERSION}, that of a store {VERSION}; a store of another version is refused. `versions` in `{SUMMARY}` tell what
-wrote the rest of a record.
+_VERSIONS = table(
+    ("files", "version", "where it stands"),
+    [
+        (
+            "a record: all files of `run --out`, of one ego or several", str(RECORD_VERSION),
+            f"`version` in `{SUMMARY}`, `{FLEET}` and `{SURROUNDINGS}`; in the metadata of each Parquet file, beside the "
+            "`units` of its columns as JSON",
+        ),
+        ("a comparison: both files of `compare --out`", str(COMPARISON_VERSION), f"`version` in `{JSON_FILE}`"),
+        ("a batch's store", str(VERSION), "its table `store`"),
+        ("a bundle", str(BUNDLE_VERSION), f"`version` in its `{MANIFEST}`"),
+    ],
+)  # fmt: skip
+
+READING = f"""A name ends in its unit; `null` or NULL is where there is none. Each kind of file has a version, which is
+raised when its keys or columns change; a file of another is refused. `versions` in `{SUMMARY}` tell what program wrote it.
+
+{_VERSIONS}
 
 | in one line | Parquet | JSON lines |
 | --- | --- | --- |
@@ -79,7 +90,7 @@ def _record(folder: Path) -> dict[str, str]:
     summary, around = (json.loads((folder / name).read_text(encoding="utf-8")) for name in (SUMMARY, SURROUNDINGS))
     found = {name: inspect.getdoc(one) for name, one in vars(TrialResult).items() if isinstance(one, property)}
     return {
-        SUMMARY: _keys(summary, found | said_below(TrialResult)),
+        SUMMARY: _keys(summary, found | said_below(TrialResult) | {"version": "Of the files of a record."}),
         TRAJECTORY: _columns(folder / TRAJECTORY, STEP_MEANINGS),
         ENCOUNTERS: _columns(folder / ENCOUNTERS, ENCOUNTER_MEANINGS),
         USERS: _columns(folder / USERS, USER_MEANINGS),

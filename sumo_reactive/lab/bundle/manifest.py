@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import AfterValidator, Field
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.schema import Keys, checked
+from sumo_reactive.lab.schema import Keys, checked, require_version
 
 MANIFEST = "manifest.json"
 """The file in a bundle that names all others."""
@@ -69,9 +69,7 @@ class _VersionKeys(Keys):
 
 def manifest_of(text: bytes, place: str) -> Manifest:
     """Return what a `manifest.json` says; raise ScenarioError for another version, or for what is none."""
-    version = checked(text, _VersionKeys, place, "the manifest of a bundle").version
-    if version != BUNDLE_VERSION:
-        raise ScenarioError(f"{place}: a bundle of version {version}; this release reads {BUNDLE_VERSION}")
+    require_version(checked(text, _VersionKeys, place, "the manifest of a bundle").version, BUNDLE_VERSION, place)
     found = checked(text, Manifest, place, "the manifest of a bundle")
     if len({one.name.casefold() for one in found.inputs}) < len(found.inputs):
         raise ScenarioError(f"{place}: not the manifest of a bundle: two inputs have one name")

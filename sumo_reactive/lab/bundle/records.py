@@ -17,7 +17,7 @@ from sumo_reactive.lab.comparison.record import CSV_FILE, JSON_FILE
 from sumo_reactive.lab.comparison.recorded import SideKeys, read_comparison
 from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.recorder import FILES, FLEET, SUMMARY
-from sumo_reactive.lab.schema import Keys, read_json
+from sumo_reactive.lab.schema import RECORD_VERSION, Keys, read_json, require_version
 from sumo_reactive.lab.task import Task, task_of
 
 _DONE = "SELECT replay, trajectory, versions FROM plan JOIN trials USING (key) WHERE ending = 'done' ORDER BY number"
@@ -39,6 +39,7 @@ class Record(NamedTuple):
 
 
 class _SummaryKeys(Keys):
+    version: int = 0
     command: Annotated[str, Field(min_length=1)]
     trajectory: Annotated[str, Field(min_length=1)]
     versions: dict[str, str]
@@ -60,6 +61,7 @@ def read_record(path: Path) -> Record:
     if is_there(path / JSON_FILE):
         return _comparison(path)
     summary = read_json(path / SUMMARY, _SummaryKeys, "the summary of a run that can be driven again")
+    require_version(summary.version, RECORD_VERSION, str(path / SUMMARY))
     files = tuple(path / name for name in FILES if is_there(path / name))
     return Record((RecordedRun(task_of(summary.command), summary.trajectory),), (summary.versions,), files)
 

@@ -18,7 +18,11 @@ from sumo_reactive.writing import require_writable, whole_folder
 
 JSON_FILE, CSV_FILE = "comparison.json", "comparison.csv"
 
+COMPARISON_VERSION = 1
+"""Version of both files: what keys and columns they have, and what these mean. A comparison of another is refused."""
+
 JSON_MEANINGS = {
+    "version": "of both files of a comparison",
     "confidence": "of the intervals, 0 to 1",
     "resamples": "of the bootstrap",
     "horizon_s": "runs end this long after the ego's departure",
@@ -121,6 +125,7 @@ def _is_clean(side: Side) -> bool:
 def data_of(comparison: Comparison) -> dict[str, object]:
     """Return `comparison.json` as a dictionary: units in the keys, null for what there is not."""
     return {
+        "version": COMPARISON_VERSION,
         "confidence": CONFIDENCE,
         "resamples": RESAMPLES,
         "horizon_s": comparison.horizon_s,

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.comparison.record import JSON_FILE
+from sumo_reactive.lab.comparison.record import COMPARISON_VERSION, JSON_FILE
 from sumo_reactive.lab.drivers.choice import SUMO_NAME
-from sumo_reactive.lab.schema import Keys, Number, read_json
+from sumo_reactive.lab.schema import Keys, Number, read_json, require_version
 
 _Name = Annotated[str, Field(min_length=1)]
 _Figures = dict[str, Number | None]
@@ -46,6 +46,7 @@ class PairKeys(Keys):
 class ComparisonKeys(Keys):
     """`comparison.json`: SUMO's own driver and one other, in this order, and their pairs."""
 
+    version: int = 0
     drivers: Annotated[list[_Name], Field(min_length=2, max_length=2)]
     pairs: list[PairKeys]
 
@@ -54,6 +55,7 @@ def read_comparison(folder: Path) -> ComparisonKeys:
     """Return what the `comparison.json` in a folder says; raise ScenarioError if it is no comparison."""
     path = folder / JSON_FILE
     found = read_json(path, ComparisonKeys, "a comparison")
+    require_version(found.version, COMPARISON_VERSION, str(path))
     first, other = found.drivers
     if first != SUMO_NAME or other == SUMO_NAME:
         raise ScenarioError(f"{path}: not a comparison: key 'drivers': not SUMO's own and another")

@@ -214,7 +214,7 @@ def test_inputs_that_lie_elsewhere_by_an_absolute_path_are_told_when_the_bundle_
 @pytest.mark.parametrize(
     ("edit", "says"),
     [
-        (lambda manifest, files: manifest.update(version=99), "a bundle of version 99; this release reads 1"),
+        (lambda manifest, files: manifest.update(version=99), "of version 99, and this release reads 1"),
         (lambda manifest, files: manifest.update(runs=[]), "key 'runs'"),
         (lambda manifest, files: manifest["inputs"][0].update(name="inputs/../../x"), "no name of a file below 'inputs'"),
         (lambda manifest, files: manifest["inputs"][0].update(name="/etc/x"), "no name of a file below 'inputs'"),
