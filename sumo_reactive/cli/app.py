@@ -7,7 +7,9 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -28,7 +30,23 @@ _COMPILING_ALWAYS = (
 JOBS = ("--jobs", "-j", "--workers")
 """What every command calls the number of processes that it may start."""
 
-_MAX_SEED = 2**31 - 1
+_PAGE, _GAP, _LEAST = 80, 2, 20
+"""Columns of a page of text, between the columns of a table, and of its first one at least."""
+
+_SEED, _MAX_SEED = "'--seed'", 2**31 - 1
+
+
+def _one_seed(text: str) -> int:
+    seeds = _seeds(text)
+    if len(seeds) > 1:
+        raise typer.BadParameter(f"'{text}' are several, and run drives once: compare, check and batch take them")
+    return seeds[0]
+
+
+SeedOption = Annotated[
+    int | None, typer.Option(parser=_one_seed, metavar="N", help="seed of the random numbers; else the scenario's, else 42")
+]
+"""The option `--seed` of a command that drives once."""
 
 SeedsOption = Annotated[
     list[str] | None, typer.Option("--seed", metavar="N", help="a number or a range as 1-10, repeatable")
@@ -96,7 +114,7 @@ def seeds_named(said: Sequence[str]) -> list[int]:
     """Return the seeds that the command line names, each once."""
     seeds = [seed for text in said for seed in _seeds(text)]
     if len(set(seeds)) < len(seeds):
-        raise typer.BadParameter("--seed: a value is given twice")
+        raise typer.BadParameter("a value is given twice", param_hint=_SEED)
     return seeds
 
 
@@ -104,10 +122,10 @@ def _seeds(text: str) -> range:
     """Return the seeds that a number or a range stands for."""
     first, is_range, last = text.partition("-")
     if not first.isdecimal() or (is_range and not last.isdecimal()):
-        raise typer.BadParameter(f"--seed: '{text}' is neither a whole number nor a range such as 1-10")
+        raise typer.BadParameter(f"'{text}' is neither a whole number nor a range such as 1-10", param_hint=_SEED)
     seeds = range(int(first), int(last if is_range else first) + 1)
     if not seeds or seeds[-1] > _MAX_SEED:
-        raise typer.BadParameter(f"--seed: '{text}' is empty or goes beyond {_MAX_SEED}")
+        raise typer.BadParameter(f"'{text}' is empty or goes beyond {_MAX_SEED}", param_hint=_SEED)
     return seeds
 
 
@@ -164,15 +182,27 @@ def progress_shown(quiet: bool) -> Iterator[Progress | None]:
         yield None if show is None else lambda time, text: show(f"{time:8.1f} s  {text}")
 
 
+def _widths(rows: Sequence[Sequence[str]], head: Sequence[str]) -> list[int]:
+    """Return the width of each column: where that is too much below a head, its words and those of the first column wrap."""
+    wide = [max(map(len, column)) for column in zip(*(head, *rows) if head else rows, strict=True)]
+    if not head or sum(wide) + _GAP * (len(wide) - 1) <= _PAGE:
+        return wide
+    words = [max(map(len, name.split()), default=0) for name in head]
+    wide = [max(word, *map(len, column)) for word, column in zip(words, zip(*rows, strict=True), strict=True)]
+    return [max(words[0], _LEAST, _PAGE - sum(wide[1:]) - _GAP * (len(wide) - 1)), *wide[1:]]
+
+
 def show_table(rows: Sequence[Sequence[str]], head: Sequence[str] = (), title: str = "") -> None:
     """Print rows in columns, as a table on a terminal; below a head all but the first stand right."""
     lines = [head, *rows] if head else rows
     sides = ["<", *(">" if head else "<" for _ in rows[0][1:])]
     if not sys.stdout.isatty():
-        wide = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        wide = _widths(rows, head)
         for line in lines:
-            cells = (f"{cell:{side}{width}}" for cell, side, width in zip(line, sides, wide, strict=True))
-            typer.echo("  ".join(cells).rstrip())
+            cells = [wrap(cell, width) if head else [cell] for cell, width in zip(line, wide, strict=True)]
+            for parts in zip_longest(*cells, fillvalue=""):
+                told = (f"{part:{side}{width}}" for part, side, width in zip(parts, sides, wide, strict=True))
+                typer.echo("  ".join(told).rstrip())
         return
     from rich.console import Console
     from rich.table import Table

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,13 +12,17 @@ import typer
 from sumo_reactive.cli.app import app
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    from sumo_reactive.lab.batch.stored_results import Mean, Results
+    from sumo_reactive.lab.batch.stored_results import Group, Mean, Results
 
 WIDE = 200
 """Columns of a table that goes to a file or another program."""
+
+_UNBOUNDED = 100_000
+"""Columns that no table takes."""
 
 MOST_ROWS = 10_000
 """So many rows of a query are shown."""
@@ -43,26 +47,35 @@ def results(
     with Results(file) as found:
         if sql:
             table = found.asked(sql, MOST_ROWS)
-            _print(_plain(table.columns, table.rows))
+            _console().print(_plain(table.columns, table.rows))
             if table.is_cut:
                 typer.echo(f"the first {MOST_ROWS} rows; --csv or --parquet writes all")
         else:
-            _print(_means(found, found.metrics(metric or [])))
+            _show_means(found, found.metrics(metric or []))
             finished, planned = found.progress
             typer.echo(f"{finished} of {planned} trials finished; mean [bootstrap interval at 95 %]")
     return 0
 
 
-def _means(found: Results, metrics: list[str]) -> Table:
-    groups = found.groups(metrics)
+def _show_means(found: Results, metrics: list[str]) -> None:
+    """Print a row a group; where that is too wide for the terminal, a line a group and a row below for each metric."""
+    from rich.measure import Measurement
+
+    console, groups = _console(), found.groups(metrics)
     varied = any(group.varied for group in groups)
     columns = ["scenario", "driver", *(["varied"] if varied else []), "results", *metrics]
-    rows = [
-        [group.scenario, group.driver, *([group.varied] if varied else []), f"{group.done} of {group.finished}",
-         *(_told(mean) for mean in group.means)]
-        for group in groups
-    ]  # fmt: skip
-    return _plain(columns, rows)
+    rows = [[*_names(group, varied), *(_told(mean) for mean in group.means)] for group in groups]
+    table = _plain(columns, rows)
+    if Measurement.get(console, console.options.update_width(_UNBOUNDED), table).maximum <= console.width:
+        console.print(table)
+        return
+    for group in groups:
+        console.print(_shown("  ".join(filter(None, _names(group, varied)))))
+        console.print(_plain(("metric", "mean"), zip(metrics, map(_told, group.means), strict=True)))
+
+
+def _names(group: Group, varied: bool) -> list[str]:
+    return [group.scenario, group.driver, *([group.varied] if varied else []), f"{group.done} of {group.finished}"]
 
 
 def _told(mean: Mean | None) -> str:
@@ -72,7 +85,7 @@ def _told(mean: Mean | None) -> str:
     return f"{mean.mean:.4g}{interval}"
 
 
-def _plain(columns: Sequence[str], rows: Sequence[Any]) -> Table:
+def _plain(columns: Sequence[str], rows: Iterable[Any]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
@@ -91,7 +104,7 @@ def _shown(text: str) -> Text:
     return Text("".join(letter if letter.isprintable() or letter == "\n" else "�" for letter in text))
 
 
-def _print(table: Table) -> None:
+def _console() -> Console:
     from rich.console import Console
 
-    Console(width=None if sys.stdout.isatty() else WIDE).print(table)
+    return Console(width=None if sys.stdout.isatty() else WIDE)

@@ -31,7 +31,7 @@ def test_seeds_are_a_range_as_in_a_comparison_and_take_the_place_of_the_files(tm
     assert (answer.returncode, answer.stdout.endswith("2 of 2 met\n")) == (0, True), answer.stdout + answer.stderr
     assert all(f"ring.toml seed {seed} " in answer.stdout for seed in (3, 4))
     twice = sumo_reactive("check", file, "--seed", "1-3", "--seed", "2", cwd=tmp_path)
-    assert twice.returncode == 2 and "--seed: a value is given twice" in twice.stderr
+    assert twice.returncode == 2 and "'--seed': a value is given twice" in twice.stderr
 
 
 def test_record_and_page_of_what_was_not_met_are_kept_and_linked_in_the_junit_file(tmp_path):

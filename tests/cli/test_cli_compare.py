@@ -51,9 +51,9 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
     [
         (("nowhere.sumocfg",), "nowhere.sumocfg: no such file"),
         ((FOUR_WAY, "--ego", "a", "--ego", "a"), "--ego: a value is given twice"),
-        ((FOUR_WAY, "--seed", "1-3", "--seed", "2"), "--seed: a value is given twice"),
-        ((FOUR_WAY, "--seed", "x"), "--seed: 'x' is neither a whole number nor a range"),
-        ((FOUR_WAY, "--seed", "3-1"), "--seed: '3-1' is empty"),
+        ((FOUR_WAY, "--seed", "1-3", "--seed", "2"), "'--seed': a value is given twice"),
+        ((FOUR_WAY, "--seed", "x"), "'--seed': 'x' is neither a whole number nor a range"),
+        ((FOUR_WAY, "--seed", "3-1"), "'--seed': '3-1' is empty"),
         ((FOUR_WAY, "--horizon", "0"), "--horizon"),
         ((FOUR_WAY, "--jobs", "0"), "--jobs"),
         ((FOUR_WAY, "--out", FOUR_WAY), "a file, not a folder"),
