@@ -36,6 +36,20 @@ BEHAVIOUR_COLOURS = {
     Behaviour.TAKING_ANOTHER_WAY: "#5f6b75",
 }  # fmt: skip
 
+UNTOLD = "driving"
+"""What an ego does whose driver has no behaviours."""
+
+
+def behaviour_colour(behaviour: Behaviour | None) -> str:
+    """Return the colour of a behaviour; None: the driver tells none."""
+    return SOFT if behaviour is None else BEHAVIOUR_COLOURS[behaviour]
+
+
+def behaviour_name(behaviour: Behaviour | None) -> str:
+    """Return what a behaviour is called; None: the driver tells none."""
+    return UNTOLD if behaviour is None else behaviour.value
+
+
 PALETTE = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8a8f2a", "#7a5fb5")
 """For what has no colour of its own, in order."""
 

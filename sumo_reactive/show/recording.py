@@ -33,16 +33,20 @@ _Corner = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _Regions = dict[str, Annotated[list[_Corner], Field(min_length=1)]]
 _Numbers, _Gaps, _Texts = list[Number], list[Number | None], list[str]
 _COLUMNS: dict[str, Any] = {
-    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "heading_rad", "s_m", "u", "u1", "u2", "u3"), _Numbers),
+    **dict.fromkeys(("time_s", "x_m", "y_m", "speed_m_s", "heading_rad"), _Numbers),
     **dict.fromkeys(
-        ("desired_speed_m_s", "stop_m", "gap_m", "command_acceleration_m_s2", "command_steering_rate_rad_s"), _Gaps
+        (
+            "s_m", "u", "u1", "u2", "u3", "desired_speed_m_s", "stop_m", "gap_m", "command_acceleration_m_s2",
+            "command_steering_rate_rad_s",
+        ),
+        _Gaps,
     ),
     "lane_id": _Texts,
     "leader": list[str | None],
-    "behaviour": list[Annotated[str, AfterValidator(lambda name: Behaviour(name).value)]],
-    "emergency": list[bool],
+    "behaviour": list[Annotated[str, AfterValidator(lambda name: Behaviour(name).value)] | None],
+    "emergency": list[bool | None],
 }
-"""The columns of the trajectory that are read, and what each holds."""
+"""The columns of the trajectory that are read, and what each holds; None where the driver has no such thing."""
 
 
 class _FaultKeys(Keys):
@@ -108,6 +112,11 @@ class Steps:
     def times(self) -> list[float]:
         """Simulation time of each step, s."""
         return self.columns["time_s"]
+
+    def behaviour(self, k: int) -> Behaviour | None:
+        """Return what the ego did in step `k`; None: its driver does not tell."""
+        name = self.columns["behaviour"][k]
+        return Behaviour(name) if name else None
 
     def index_at(self, time: float) -> int:
         """Return the index of the step nearest to a time (s)."""

@@ -55,14 +55,13 @@ def run_page(recording: Recording) -> str:
     summary, steps = recording.summary, read_steps(recording)
     faults, spans = faults_in(summary), spans_of(steps)
     timeline = timeline_figure(steps, spans, recording.entries, faults)
-    told = decision_table(recording.entries, faults)
     replay = replay_of(recording, steps)
     sections = (
         Section("replay", "Replay", [frame.paragraph_of(facts_of(summary)), replay] if replay else []),
         Section("figures", "Figures", list(_figures(recording, faults))),
         Section("map", "On the map", list(_map(recording, steps, spans, faults))),
         Section("time", "Over time", [frame.paragraph_of(_READING), frame.figure_html(timeline, "time")]),
-        Section("decisions", "Decisions", [frame.paragraph_of(footer(summary["figures"])), told]),
+        Section("decisions", "Decisions", list(_decisions(recording, faults))),
     )
     departs, ends, verdict = summary.get("departure_s"), summary.get("end_s"), summary["verdict"]
     when = f", from {departs:.1f} to {ends:.1f} s" if departs is not None and ends is not None else ""
@@ -99,6 +98,17 @@ def _figures(recording: Recording, faults: Sequence[Fault]) -> Iterator[Html]:
     rows = [(frame.title_of(name), frame.number(value)) for name, value in values.items() if not name.startswith("events_")]
     half = (len(rows) + 1) // 2
     yield frame.side_by_side(frame.table(("figure", "value"), part) for part in (rows[:half], rows[half:]))
+
+
+def _decisions(recording: Recording, faults: Sequence[Fault]) -> Iterator[Html]:
+    """Yield what the pilot has decided, or what a driver of the user's has told of itself, and the faults."""
+    figures = recording.summary["figures"]
+    if figures.get("pilot_activations") is not None:
+        yield frame.paragraph_of(footer(figures))
+    if recording.reasons:
+        yield frame.table(("time (s)", "what the driver tells"), [(f"{time:.1f}", why) for time, why in recording.reasons])
+    if recording.entries or faults:
+        yield decision_table(recording.entries, faults)
 
 
 def _map(

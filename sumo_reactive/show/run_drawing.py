@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from sumo_reactive.driver.geometry.footprint import Footprint
 from sumo_reactive.driver.nouns.decision import Occupancy
 from sumo_reactive.lab.trace import Entry
-from sumo_reactive.show.page import BEHAVIOUR_COLOURS
+from sumo_reactive.show.page import behaviour_colour, behaviour_name
 from sumo_reactive.show.recording import CLOSE_S, Recording, Steps, read_steps
 from sumo_reactive.show.run_map import RoadMap, roads_of
 from sumo_reactive.show.run_timeline import spans_of
@@ -167,7 +167,7 @@ class RunDrawing:
         steps, (x, y) = self.steps, self._track[k]
         heading = steps["heading_rad"][k]
         self._body.set_xy(Footprint(x, y, heading, self._length, self._width).corners())
-        self._body.set_facecolor(mpl.colors.to_rgba(_colour_of(steps["behaviour"][k]), 0.55))
+        self._body.set_facecolor(mpl.colors.to_rgba(behaviour_colour(steps.behaviour(k)), 0.55))
         self._driven.set_data(*self._track[: k + 1].T)
         self._ahead.set_data(*self._track[k:].T)
         self._show_stop(k)
@@ -179,7 +179,7 @@ class RunDrawing:
             cursor.set_xdata([steps.times[k], steps.times[k]])
             axes.set_xlim(steps.times[k] - _TIME_S, steps.times[k] + _TIME_S)
         entry = self._entry_at(steps.times[k])
-        what = f"{steps.times[k]:.1f} s, {steps['speed_m_s'][k]:.1f} m/s: {steps['behaviour'][k]}"
+        what = f"{steps.times[k]:.1f} s, {steps['speed_m_s'][k]:.1f} m/s: {behaviour_name(steps.behaviour(k))}"
         self._map.set_title("\n".join([what + (f", “{entry.instruction.value}”" if entry else ""), *_reasons(entry)]))
 
     def _entry_at(self, time: float) -> Entry | None:
@@ -198,7 +198,7 @@ class RunDrawing:
 
     def _show_stop(self, k: int) -> None:
         stop, s = self.steps["stop_m"][k], self.steps["s_m"][k]
-        place = None if stop is None else self._place(k, stop - s - CAR_OVERHANG_M)
+        place = None if stop is None or s is None else self._place(k, stop - s - CAR_OVERHANG_M)
         self._stop.set_visible(place is not None)
         if place is not None:
             x, y, heading = place
@@ -237,10 +237,6 @@ def save_figure(figure: Figure, path: Path) -> None:
         figure.savefig(partial, format=form, metadata=_METADATA[form])
 
 
-def _colour_of(behaviour: str) -> str:
-    return next(colour for one, colour in BEHAVIOUR_COLOURS.items() if one.value == behaviour)
-
-
 def _reasons(entry: Entry | None) -> list[str]:
     """Return the first reasons of what is done, a line each."""
     told = [f"{one.reason.value}{f' ({one.cause})' if one.cause else ''}" for one in entry.decisions] if entry else []
@@ -257,12 +253,12 @@ def _draw_speed(axes: Axes, steps: Steps) -> None:
     """Draw speed and v_d over time, and what the ego did as a band with its name in words."""
     axes.plot(steps.times, steps["speed_m_s"], color=INK, lw=_MEDIUM, label="speed $v$")
     axes.plot(steps.times, steps["desired_speed_m_s"], color=OTHER, lw=_MEDIUM, ls="--", label="desired speed $v_d$")
-    top = _SPEED_ROOM * max(*steps["speed_m_s"], *steps["desired_speed_m_s"], 1.0)
+    top = _SPEED_ROOM * max(*steps["speed_m_s"], *(speed for speed in steps["desired_speed_m_s"] if speed is not None), 1.0)
     for span in spans_of(steps):
-        axes.axvspan(span.start, span.end, color=BEHAVIOUR_COLOURS[span.behaviour], alpha=0.18, lw=0.0)
+        axes.axvspan(span.start, span.end, color=behaviour_colour(span.behaviour), alpha=0.18, lw=0.0)
         axes.axvline(span.start, color=PALE, lw=_THIN, zorder=0)
         if span.end - span.start >= _NAMED_S:
-            named = f" {span.behaviour.value}"
+            named = f" {behaviour_name(span.behaviour)}"
             axes.text(span.start, 0.02 * top, named, size=_NAME_PT, color=GREY, va="bottom", clip_on=True)
     axes.set(ylim=(0.0, top), ylabel="m/s")
     axes.legend(loc="upper right", frameon=False, ncols=2, borderaxespad=0.0, bbox_to_anchor=(1.0, 1.28))

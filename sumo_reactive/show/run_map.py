@@ -19,7 +19,7 @@ from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.faults import fault_hover, hover_of
-from sumo_reactive.show.page import BEHAVIOUR_COLOURS, EDGE, FAULT, FRAME, JUNCTION, ROAD, SOFT, Html
+from sumo_reactive.show.page import EDGE, FAULT, FRAME, JUNCTION, ROAD, SOFT, Html, behaviour_colour, behaviour_name
 from sumo_reactive.show.recording import Recording, Steps
 from sumo_reactive.show.run_timeline import BehaviourSpan
 from sumo_reactive.sumo.config import read_config
@@ -84,11 +84,11 @@ def views_of(steps: Steps, spans: Sequence[BehaviourSpan]) -> list[MapView]:
     What was cautious driving before something or after it belongs to that.
     """
     found = [_view("whole trip", steps, 0, len(steps.times) - 1)]
-    for is_normal, inside in groupby(spans, key=lambda span: span.behaviour is Behaviour.NORMAL):
+    for is_normal, inside in groupby(spans, key=lambda span: span.behaviour in (Behaviour.NORMAL, None)):
         together = list(inside)
         busy = [span for span in together if span.behaviour is not Behaviour.CAUTIOUS] or together
         if not is_normal:
-            label = f"{busy[0].behaviour.value}, {busy[0].start:.1f} s"
+            label = f"{behaviour_name(busy[0].behaviour)}, {busy[0].start:.1f} s"
             found.append(_view(label, steps, busy[0].first, busy[-1].last))
     return found[: _MOST_VIEWS + 1]
 
@@ -117,7 +117,7 @@ def map_figure(
     _add_roads(figure, roads)
     for name, corners in regions.items():
         _add_region(figure, name, corners)
-    for behaviour in Behaviour:
+    for behaviour in (*Behaviour, None):
         _add_track(figure, behaviour, [span for span in spans if span.behaviour is behaviour], steps)
     told = [(entry.time, hover_of(entries, k)) for k, entry in enumerate(entries)]
     dot = {"symbol": "circle", "size": 7, "color": "#ffffff", "line": {"color": "#1c2024", "width": 1.2}}
@@ -174,7 +174,7 @@ def _add_region(figure: Figure, name: str, corners: Corners) -> None:
     figure.add_trace(region)
 
 
-def _add_track(figure: Figure, behaviour: Behaviour, spans: Sequence[BehaviourSpan], steps: Steps) -> None:
+def _add_track(figure: Figure, behaviour: Behaviour | None, spans: Sequence[BehaviourSpan], steps: Steps) -> None:
     indices = [k for span in spans for k in (*range(span.first, span.last + 1), None)]
     if not indices:
         return
@@ -183,8 +183,8 @@ def _add_track(figure: Figure, behaviour: Behaviour, spans: Sequence[BehaviourSp
         return [None if k is None else steps[name][k] for k in indices]
 
     track = Scatter(
-        x=of("x_m"), y=of("y_m"), mode="lines", name=behaviour.value,
-        line={"color": BEHAVIOUR_COLOURS[behaviour], "width": 4, "simplify": False},
+        x=of("x_m"), y=of("y_m"), mode="lines", name=behaviour_name(behaviour),
+        line={"color": behaviour_colour(behaviour), "width": 4, "simplify": False},
         customdata=list(zip(of("time_s"), of("speed_m_s"), of("lane_id"), strict=True)),
         hovertemplate="%{customdata[0]:.1f} s, %{customdata[1]:.1f} m/s<br>lane %{customdata[2]}",
     )  # fmt: skip

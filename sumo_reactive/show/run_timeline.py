@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.show.faults import fault_hover, hover_of
-from sumo_reactive.show.page import BEHAVIOUR_COLOURS, FAULT, FRAME, SOFT, STOP
+from sumo_reactive.show.page import FAULT, FRAME, SOFT, STOP, behaviour_colour, behaviour_name
 from sumo_reactive.show.recording import Steps
 
 _HEIGHT_PX = 980
@@ -29,9 +29,9 @@ _TERMS = {
 
 
 class BehaviourSpan(NamedTuple):
-    """From step `first` up to and with step `last` the ego showed one behaviour, from `start` to `end` (s)."""
+    """From step `first` up to and with `last` the ego showed one behaviour (None: untold), from `start` to `end` (s)."""
 
-    behaviour: Behaviour
+    behaviour: Behaviour | None
     first: int
     last: int
     start: float
@@ -41,10 +41,10 @@ class BehaviourSpan(NamedTuple):
 def spans_of(steps: Steps) -> list[BehaviourSpan]:
     """Return the behaviours one after another; each ends where the next begins."""
     found = []
-    for name, indices in groupby(range(len(steps.times)), key=steps["behaviour"].__getitem__):
+    for behaviour, indices in groupby(range(len(steps.times)), key=steps.behaviour):
         inside = list(indices)
         last = min(inside[-1] + 1, len(steps.times) - 1)
-        found.append(BehaviourSpan(Behaviour(name), inside[0], last, steps.times[inside[0]], steps.times[last]))
+        found.append(BehaviourSpan(behaviour, inside[0], last, steps.times[inside[0]], steps.times[last]))
     return found
 
 
@@ -69,7 +69,7 @@ def timeline_figure(
         figure.add_vline(x=fault.time, line={"color": FAULT, "width": 1.5})
         at = next((span for span in spans if span.end >= fault.time), spans[-1])
         mark = Scatter(
-            x=[fault.time], y=[at.behaviour.value], mode="markers", showlegend=False, name="fault",
+            x=[fault.time], y=[behaviour_name(at.behaviour)], mode="markers", showlegend=False, name="fault",
             marker={"symbol": "x", "size": 13, "color": FAULT}, text=[fault_hover(fault, entries)],
             hovertemplate="%{x:.1f} s<br>%{text}<extra></extra>",
         )  # fmt: skip
@@ -81,7 +81,8 @@ def timeline_figure(
 def _add_behaviours(figure: Figure, spans: Sequence[BehaviourSpan], entries: Sequence[Entry]) -> None:
     bars = Bar(
         base=[span.start for span in spans], x=[span.end - span.start for span in spans],
-        y=[span.behaviour.value for span in spans], marker={"color": [BEHAVIOUR_COLOURS[span.behaviour] for span in spans]},
+        y=[behaviour_name(span.behaviour) for span in spans],
+        marker={"color": [behaviour_colour(span.behaviour) for span in spans]},
         orientation="h", width=0.6, hoverinfo="skip", showlegend=False, name="behaviour",
     )  # fmt: skip
     marks = Scatter(
@@ -105,8 +106,8 @@ def _add_line(
     figure.add_trace(trace, row=row, col=1)
 
 
-def _lay_out(figure: Figure, steps: Steps, present: set[Behaviour]) -> None:
-    order = [one.value for one in Behaviour if one in present]
+def _lay_out(figure: Figure, steps: Steps, present: set[Behaviour | None]) -> None:
+    order = [behaviour_name(one) for one in (*Behaviour, None) if one in present]
     frame = FRAME | {"margin": FRAME["margin"] | {"l": 190, "t": 35}}
     figure.update_layout(**frame, height=_HEIGHT_PX, hovermode="x unified", barmode="overlay")
     figure.update_yaxes(categoryorder="array", categoryarray=order[::-1], row=_TRACK, col=1, showgrid=False)
