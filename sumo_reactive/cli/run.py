@@ -121,7 +121,8 @@ def run(
         sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
     rule = _rule(scenario, named, ego_type or [], ego_probability)
-    return _drive(scenario, rule, _kept(rule, out, overwrite, record or []), quiet, gui_speed if gui else None)
+    kept = _kept(None if rule else scenario, out, overwrite, record or [])
+    return _drive(scenario, rule, kept, quiet, gui_speed if gui else None)
 
 
 def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None) -> EgoRule | None:
@@ -138,16 +139,17 @@ def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probabil
 
 
 def _kept(
-    rule: EgoRule | None, out: Path | None, overwrite: bool, record: Sequence[RecordName]
+    scenario: Scenario | None, out: Path | None, overwrite: bool, record: Sequence[RecordName]
 ) -> Callable[[], Any] | None:
-    """Return what makes the recorder of one ego, or of several, if there is a folder for the record."""
+    """Return what makes the recorder of a scenario's one ego, or of several (None), if there is a folder for the record."""
     if out is None:
         if record:
             raise typer.BadParameter("there is no --out to keep it in", param_hint="--record")
         return None
     from sumo_reactive.lab.recorder import FleetRecorder, Recorder
 
-    return partial(FleetRecorder if rule else Recorder, out, overwrite=overwrite, every_field=RecordName.FIELD in record)
+    asked = {"overwrite": overwrite, "every_field": RecordName.FIELD in record}
+    return partial(Recorder, out, scenario=scenario, **asked) if scenario else partial(FleetRecorder, out, **asked)
 
 
 def _drive(

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app
+from sumo_reactive.cli.app import app, status_shown
 
 
 @app.command(epilog="Example: sumo-reactive explain DIR --at 75")
@@ -42,13 +42,21 @@ def report(
         Path, typer.Argument(metavar="PATH", help="store of a batch (.duckdb), or folder of run --out or compare --out")
     ],
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="else beside the store, or in the folder")] = None,
+    is_followed: Annotated[bool, typer.Option("--follow", help="of a run that drives: anew until it ends")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="show no progress")] = False,
 ) -> int:
     """Write one HTML page that shows a batch, a comparison or a run, and loads nothing from anywhere."""
+    from sumo_reactive.lab.recorder import PAGE
+    from sumo_reactive.show.following import follow
     from sumo_reactive.show.reports import page_beside, page_of
     from sumo_reactive.writing import write_whole
 
-    target = out or page_beside(path)
-    write_whole(target, page_of(path, target))
+    target = out or (path / PAGE if is_followed else page_beside(path))
+    with status_shown(quiet, "drawing the page") as show:
+        if is_followed:
+            follow(path, target, show or (lambda text: None))
+        else:
+            write_whole(target, page_of(path, target))
     typer.echo(str(target))
     return 0
 

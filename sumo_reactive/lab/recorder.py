@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,9 +24,11 @@ from sumo_reactive.lab.metrics.moment import Neighbourhood
 from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
 from sumo_reactive.lab.result import FleetResult, TrialResult, changes_of, summary_of
+from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.schema import RECORD_VERSION, Keys, Number, read_json, require_version
 from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USERS, SurroundingsRecord
 from sumo_reactive.lab.trace import entries, line_of
+from sumo_reactive.lab.under_way import Teller
 from sumo_reactive.writing import require_writable, whole_folder
 
 
@@ -167,8 +169,12 @@ class _Record:
 
     def write_into(self, folder: Path, result: TrialResult) -> None:
         """Write all files into a folder, one after another. Raises OSError."""
-        write_trajectory(folder / TRAJECTORY, self._steps)
         write_columns(folder / ENCOUNTERS, encounter_columns(self._log, result.length_m, result.width_m))
+        self.write_so_far(folder, summary_of(replace(result, trajectory=digest_of(self._steps))))
+
+    def write_so_far(self, folder: Path, summary: Mapping[str, object]) -> None:
+        """Write what is there before a run has been judged, the summary last. Raises OSError."""
+        write_trajectory(folder / TRAJECTORY, self._steps)
         lines = (json.dumps(line_of(entry), allow_nan=False) + "\n" for entry in entries(self._steps))
         (folder / DECISIONS).write_text("".join(lines), encoding="utf-8")
         _write_json(folder / REGIONS, {region.id: region.polygon.round(3).tolist() for region in self._regions_named()})
@@ -176,7 +182,7 @@ class _Record:
         if reasons := reasons_in(self._steps):
             told = (json.dumps({"time_s": round(time, 3), "reason": reason}) + "\n" for time, reason in reasons)
             (folder / SAID).write_text("".join(told), encoding="utf-8")
-        _write_json(folder / SUMMARY, summary_of(replace(result, trajectory=digest_of(self._steps))), indent=2)
+        _write_json(folder / SUMMARY, summary, indent=2)
 
     def _regions_named(self) -> Iterator[ConflictRegion]:
         named = {state.region for step in self._steps for state in step.regions}
@@ -195,23 +201,31 @@ def reasons_in(steps: Sequence[StepRecord]) -> list[tuple[float, str]]:
 class Recorder:
     """Keeps the steps of an ego in memory and writes them at the end of the run: a killed run leaves nothing.
 
-    `every_field`: U over the commands at every step, not at decisions only, and over the ground at decisions. Raises what
-    `replaced_in` raises.
+    `every_field`: U over the commands at every step, not at decisions only, and over the ground at decisions. Of a
+    `scenario` that is named, what there is so far is told to who asks. Raises what `replaced_in` raises.
     """
 
-    def __init__(self, folder: Path, *, overwrite: bool = False, every_field: bool = False) -> None:
+    def __init__(
+        self, folder: Path, *, overwrite: bool = False, every_field: bool = False, scenario: Scenario | None = None
+    ) -> None:
         self._folder = folder
         self._replaced = replaced_in(folder, overwrite)
         self._record = _Record(every_field=every_field)
+        told = {"version": RECORD_VERSION, "scenario": str(scenario.source), "seed": scenario.seed} if scenario else {}
+        self._teller = Teller(folder, told, self._record.write_so_far) if scenario else None
 
     def see(self, scene: Scene) -> None:
         """Keep one step."""
         self._record.see(scene)
+        if self._teller is not None:
+            self._teller.see(scene.ego, scene.step.time)
 
     def write(self, result: TrialResult) -> None:
         """Write all files or none, in place of the run that is there; raise OutputError if that cannot be done."""
         with whole_folder(self._folder, SUMMARY, self._replaced) as partial:
             self._record.write_into(partial, result)
+        if self._teller is not None:
+            self._teller.close()
 
 
 class FleetRecorder:

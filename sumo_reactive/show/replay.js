@@ -380,6 +380,24 @@
     go(parseFloat(row.cells[0].textContent));
     canvas.scrollIntoView({ block: "nearest" });
   });
+  // A run that has not ended: the page is written anew, and looked at from where it was left; at its end it moves on.
+  const LEFT = `replay ${location.pathname}`, AGAIN_MS = 3000;
+  const left = JSON.parse(sessionStorage.getItem(LEFT) || "null");
+  sessionStorage.removeItem(LEFT);
+  if (left) {
+    ({ scale, centre } = left);
+    rate.value = left.rate;
+    for (const name of Object.keys(toggles)) if (toggles[name] !== left.toggles[name]) toggle(name);
+    go(left.isLast ? end : left.now);
+    setPlaying(left.playing && !left.isLast);
+    scrollTo(0, left.scroll);
+  } else if (data.is_under_way) go(end);
+  if (data.is_under_way) setInterval(() => {
+    if (document.hidden || held) return;
+    const isLast = now >= end;
+    sessionStorage.setItem(LEFT, JSON.stringify({ now, isLast, playing, scale, centre, toggles, rate: rate.value, scroll: scrollY }));
+    location.reload();
+  }, AGAIN_MS);
   if (matchMedia("(prefers-reduced-motion: no-preference)").matches && location.hash === "#play") setPlaying(true);
   root.dataset.ready = "yes";
   frame();

@@ -20,6 +20,7 @@ from sumo_reactive.lab.schema import RECORD_VERSION, Keys, Number, read_json, re
 from sumo_reactive.lab.surroundings_record import SURROUNDINGS, USER_NUMBERS, USERS
 from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry
+from sumo_reactive.lab.under_way import PROCESS
 from sumo_reactive.show.explain import paragraph
 from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html
 from sumo_reactive.show.recording import CLOSE_S, Recording, Steps
@@ -109,6 +110,7 @@ def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
         "shadows": [[time, [[weight, _flat(line)] for _, weight, line in some]] for time, some in found.shadows],
         "grounds": found.grounds,
         "decisions": list(_decisions(recording)),
+        "is_under_way": PROCESS in recording.summary,
     }  # fmt: skip
 
 

@@ -10,8 +10,11 @@ import signal
 import socket
 import subprocess
 import sys
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+
+import psutil
 
 ROOT = Path(__file__).resolve().parents[2]
 TOOLS = ROOT / "tools"
@@ -95,3 +98,25 @@ def _heard(ends, timeout):
                 if not data:
                     waiting.unregister(key.fd)
     return [data.decode("utf-8") for data in heard.values()]
+
+
+@contextmanager
+def started(*arguments, cwd):
+    """Start a command; end it and all that it has started, whatever happens."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=cwd
+    )
+    try:
+        yield process
+    finally:
+        family = descendants(process) if process.poll() is None else []
+        process.kill()
+        for one in family:
+            one.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def descendants(process):
+    """Return the processes that a process has started, and those that these have."""
+    return psutil.Process(process.pid).children(recursive=True)

@@ -11,7 +11,7 @@ import duckdb
 import psutil
 import pytest
 from distributed.security import Security
-from helpers.programs import ROOT, started_anew, sumo_reactive
+from helpers.programs import ROOT, descendants, started, started_anew, sumo_reactive
 
 EXPERIMENT = f"""
 [experiment]
@@ -21,27 +21,6 @@ metrics = ["arrived", "duration_s"]
 """
 TRIALS = 12
 LIMIT_S = 400
-
-
-@contextmanager
-def started(*arguments, cwd):
-    """Start a command; end it and all that it has started, whatever happens."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=cwd
-    )
-    try:
-        yield process
-    finally:
-        family = descendants(process) if process.poll() is None else []
-        process.kill()
-        for one in family:
-            one.kill()
-        process.wait()
-        process.stdout.close()
-
-
-def descendants(process):
-    return psutil.Process(process.pid).children(recursive=True)
 
 
 def written(folder, seeds=(1, 2, 3), more=""):

@@ -16,10 +16,11 @@ from helpers.programs import sumo_reactive
 
 from sumo_reactive.driver.nouns.decision import Occupancy
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.recorder import Recorder
+from sumo_reactive.lab.recorder import SUMMARY, Recorder
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.lab.surroundings_record import RECORDED_M, SURROUNDINGS, USERS, SurroundingsRecord
+from sumo_reactive.lab.under_way import PROCESS
 from sumo_reactive.show import replay
 from sumo_reactive.show.recording import read_run, read_steps
 from sumo_reactive.show.replay import payload_of, replay_of, room_told
@@ -259,3 +260,35 @@ def test_run_keeps_every_field_on_request_and_only_in_a_folder(tmp_path):
     assert answer.returncode == 0, answer.stderr
     data = told(tmp_path / "run")
     assert data["grounds"] and len(data["fields"]) > 0.8 * len(data["times"])
+
+
+LEFT_AND_FOUND = """<script>
+addEventListener("load", () => setTimeout(() => {
+  const player = document.getElementById("replay-player"), part = (name) => player.querySelector(`[data-part="${name}"]`);
+  const visits = Number(sessionStorage.getItem("visits") || 0) + 1, clock = () => parseFloat(part("clock").textContent);
+  sessionStorage.setItem("visits", visits);
+  if (visits === 1) {
+    sessionStorage.setItem("first", clock());
+    part("time").value = Number(part("time").min) + 1;
+    part("time").dispatchEvent(new Event("input"));
+    part("names").click();
+  } else {
+    Object.defineProperty(document, "hidden", { get: () => true });
+    const seen = { visits, first: Number(sessionStorage.getItem("first")), now: clock(), begin: Number(part("time").min),
+      end: Number(part("time").max), names: part("names").getAttribute("aria-pressed") };
+    document.body.dataset.seen = JSON.stringify(seen);
+  }
+}, 700));
+</script>"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason=NO_BROWSER)
+def test_the_page_of_a_run_that_drives_is_opened_at_its_end_and_again_where_it_was_left(record, tmp_path):
+    summary = json.loads((record / SUMMARY).read_text(encoding="utf-8"))
+    (record / SUMMARY).write_text(json.dumps(summary | {PROCESS: [1, 0.0]}), encoding="utf-8")
+    page = tmp_path / "page.html"
+    page.write_text(page_of(record, page), encoding="utf-8")
+    seen, console = browsed(page, tmp_path, LEFT_AND_FOUND, "seen")
+    assert console == [] and seen["visits"] == 2
+    assert seen["first"] == pytest.approx(seen["end"], abs=0.06) and seen["names"] == "true"
+    assert seen["now"] == pytest.approx(seen["begin"] + 1.0, abs=0.06)
