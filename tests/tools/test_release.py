@@ -55,4 +55,5 @@ def test_the_tool_tells_in_one_line_and_by_its_exit_code():
     told = {(): (2, "usage"), ("1.2.3",): (1, "begins with 'v'"), ("v0.0.0",): (1, "but the tag is v0.0.0")}
     for arguments, (code, says) in told.items():
         answer = run_tool("release", *arguments)
-        assert answer.returncode == code and says in answer.stderr and answer.stderr.count("\n") == 1
+        assert (answer.returncode, answer.stdout) == (code, "")
+        assert says in answer.stderr and answer.stderr.count("\n") == 1
