@@ -15,6 +15,9 @@ from sumo_reactive.errors import InputError, ScenarioError
 _MOST_BYTES = 2**32
 """More than this is read from no file, packed or not."""
 
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+"""Bits of a mode by which others than the owner may write."""
+
 _PART_BYTES = 2**24
 _GZIP_MAGIC = b"\x1f\x8b"
 _KINDS = (
@@ -67,6 +70,16 @@ def is_there(path: Path) -> bool:
     except (OSError, ValueError):
         return False
     return True
+
+
+def is_own(folder: Path) -> bool:
+    """Whether a folder is there, is this user's, and can be written to by nobody else."""
+    try:
+        found = folder.lstat()
+    except OSError:
+        return False
+    is_mine = stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid()
+    return is_mine and not found.st_mode & OTHERS_WRITE and os.access(folder, os.W_OK)
 
 
 def require_file(path: Path, error: type[InputError] = ScenarioError) -> None:

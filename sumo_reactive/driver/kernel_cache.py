@@ -14,8 +14,8 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
-from sumo_reactive.driver.kernel_folder import is_own
 from sumo_reactive.errors import OutputError
+from sumo_reactive.files import is_own
 from sumo_reactive.writing import write_whole
 
 _DIGEST_BYTES = 32

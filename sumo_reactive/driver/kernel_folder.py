@@ -17,10 +17,10 @@ from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
+from sumo_reactive.files import OTHERS_WRITE, is_own
+
 FOLDER_VARIABLE = "SUMO_REACTIVE_KERNELS"
 """Environment variable by which a process shares a folder of its own with those that it starts: `process id:path`."""
-
-_OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def kernel_root(environment: Mapping[str, str]) -> Path | None:
@@ -44,22 +44,12 @@ def own_folder(folder: Path) -> Path | None:
         return None
 
 
-def is_own(folder: Path) -> bool:
-    """Whether a folder is there, is this user's, and can be written to by nobody else."""
-    try:
-        found = folder.lstat()
-    except OSError:
-        return False
-    is_mine = stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid()
-    return is_mine and not found.st_mode & _OTHERS_WRITE and os.access(folder, os.W_OK)
-
-
 def _is_safe(place: Path) -> bool:
     """Whether what is in a folder can be replaced by its owner, root and this user at most; a missing one is made."""
     if not os.path.lexists(place):
         place.mkdir(mode=0o700)
     found = place.lstat()
-    is_kept = not found.st_mode & _OTHERS_WRITE or bool(found.st_mode & stat.S_ISVTX)
+    is_kept = not found.st_mode & OTHERS_WRITE or bool(found.st_mode & stat.S_ISVTX)
     return stat.S_ISDIR(found.st_mode) and found.st_uid in (0, os.geteuid()) and is_kept
 
 

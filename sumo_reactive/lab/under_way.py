@@ -14,8 +14,8 @@ from pathlib import Path
 
 import psutil
 
-from sumo_reactive.driver.kernel_folder import is_own
 from sumo_reactive.errors import OutputError
+from sumo_reactive.files import is_own
 from sumo_reactive.writing import whole_folder
 
 Writer = Callable[[Path, Mapping[str, object]], None]

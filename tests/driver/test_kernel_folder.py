@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.driver import kernel_folder
-from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, is_own, kernel_root, own_folder
+from sumo_reactive.driver.kernel_folder import FOLDER_VARIABLE, kernel_root, own_folder
+from sumo_reactive.files import is_own
 
 NOBODY = 65534
 CODE = "from sumo_reactive.driver.kernel_folder import CACHE_FOLDER; print(CACHE_FOLDER)"
