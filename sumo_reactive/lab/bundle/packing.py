@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
@@ -17,7 +15,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.trials import digest_of_files
 from sumo_reactive.lab.bundle.manifest import BUNDLE_VERSION, INPUTS, MANIFEST, RECORD, InputKeys, Manifest, RunKeys
 from sumo_reactive.lab.bundle.records import Record, read_record
-from sumo_reactive.lab.bundle.unpacking import opened_bundle, relocated, require_closed, task_in, unpack_inputs
+from sumo_reactive.lab.bundle.unpacking import copied, opened_bundle, relocated, require_closed, task_in, unpack_inputs
 from sumo_reactive.lab.task import Task, replay_command
 from sumo_reactive.sumo.config import OUTPUT_FILES, canonical
 from sumo_reactive.sumo.input_files import inputs_of, words_of
@@ -27,7 +25,6 @@ _BEGIN = (1980, 1, 1, 0, 0, 0)
 """Time of every file in an archive: the same record makes the same bundle."""
 
 _READABLE = 0o644 << 16
-_PART_BYTES = 1 << 20
 
 Names = Mapping[Path, str]
 """The name in the bundle of each file that runs read."""
@@ -45,25 +42,33 @@ def write_bundle(
     names = _names(record)
     with whole_file(target) as partial:
         with ZipFile(partial, "w") as archive:
-            inputs = [_packed(archive if has_inputs else None, file, name, progress) for file, name in names.items()]
-            manifest = _manifest(record, names, inputs, has_inputs)
+            kept = archive if has_inputs else None
+            inputs = {name: _packed(kept, file, name, progress) for file, name in names.items()}
+            manifest = _manifest(path, record, names, inputs, has_inputs=has_inputs)
             archive.writestr(_entry(MANIFEST), manifest.model_dump_json(indent=2) + "\n")
             for file in record.files:
-                progress(file.name)
-                archive.write(file, f"{RECORD}/{file.name}")
+                _packed(archive, file, f"{RECORD}/{file.name}", progress)
         if has_inputs:
             progress(f"checking {target.name}")
             _require_whole(partial, record)
     return manifest
 
 
-def _manifest(record: Record, names: Names, inputs: Sequence[InputKeys], has_inputs: bool) -> Manifest:
-    runs = [RunKeys(command=_command(run.task, names), trajectory=run.trajectory) for run in record.runs]
+def _manifest(
+    path: Path, record: Record, names: Names, inputs: Mapping[str, tuple[str, int]], *, has_inputs: bool
+) -> Manifest:
+    """Return the manifest of a record at `path`; raise ScenarioError for what no bundle may say."""
     seeds = sorted({run.task.scenario.seed for run in record.runs})
-    return Manifest(
-        version=BUNDLE_VERSION, versions=list(record.versions), seeds=seeds, runs=runs, has_inputs=has_inputs,
-        inputs=list(inputs),
-    )  # fmt: skip
+    try:
+        runs = [RunKeys(command=_command(run.task, names), trajectory=run.trajectory) for run in record.runs]
+        found = [InputKeys(name=name, sha256=digest, bytes=size) for name, (digest, size) in inputs.items()]
+        return Manifest(
+            version=BUNDLE_VERSION, versions=list(record.versions), seeds=seeds, runs=runs, has_inputs=has_inputs,
+            inputs=found,
+        )  # fmt: skip
+    except ValidationError as error:
+        problem = error.errors()[0]
+        raise ScenarioError(f"{path}: cannot be in a bundle: {problem['msg']}: {problem['input']!r}") from error
 
 
 def _names(record: Record) -> dict[Path, str]:
@@ -100,22 +105,14 @@ def _without_outputs(words: Sequence[str]) -> Iterator[str]:
             yield word
 
 
-def _packed(archive: ZipFile | None, file: Path, name: str, progress: Callable[[str], None]) -> InputKeys:
-    """Add a file to the archive, if there is one; return its name, digest and size."""
+def _packed(archive: ZipFile | None, file: Path, name: str, progress: Callable[[str], None]) -> tuple[str, int]:
+    """Add a file to the archive, if there is one; return its digest and size."""
     progress(name)
-    digest, size = hashlib.sha256(), 0
-    with ExitStack() as opened:
-        source = opened.enter_context(file.open("rb"))
-        target = opened.enter_context(archive.open(_entry(name), "w", force_zip64=True)) if archive else None
-        while part := source.read(_PART_BYTES):
-            digest.update(part)
-            size += len(part)
-            if target:
-                target.write(part)
-    try:
-        return InputKeys(name=name, sha256=digest.hexdigest(), bytes=size)
-    except ValidationError as error:
-        raise ScenarioError(f"{file}: cannot be in a bundle: {error.errors()[0]['msg']}") from error
+    with file.open("rb") as source:
+        if archive is None:
+            return copied(source, None)
+        with archive.open(_entry(name), "w", force_zip64=True) as target:
+            return copied(source, target)
 
 
 def _entry(name: str) -> ZipInfo:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -51,7 +50,8 @@ def drive_again(
     `inputs`: the folder with the files of a bundle that holds their digests alone. Whose drivers are the user's runs only
     where `drivers` names them, as they are installed here. Raises ScenarioError for what is no bundle, or leads elsewhere.
     """
-    with _tasks(bundle, inputs) as (manifest, tasks):
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        manifest, tasks = _read(bundle, inputs, Path(folder))
         foreign = {task.scenario.driver.name for task in tasks if task.scenario.driver.is_users} - set(drivers)
         if foreign:
             told = f"was driven by '{min(foreign)}': name it with --driver, to run its code as it is here"
@@ -61,12 +61,11 @@ def drive_again(
     return Reproduction(runs, tuple(_changed(manifest)))
 
 
-@contextmanager
-def _tasks(bundle: Path, inputs: Path | None) -> Iterator[tuple[Manifest, list[Task]]]:
-    """Give the tasks of a bundle, whose files are there as long."""
-    with opened_bundle(bundle) as (archive, manifest), tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+def _read(bundle: Path, inputs: Path | None, folder: Path) -> tuple[Manifest, list[Task]]:
+    """Return what a bundle asks for, with its inputs unpacked into a folder, or those in `inputs`."""
+    with opened_bundle(bundle) as (archive, manifest):
         if manifest.has_inputs:
-            root = Path(folder).resolve()
+            root = folder.resolve()
             unpack_inputs(archive, manifest, root)
         elif inputs is None:
             raise ScenarioError(f"{bundle}: holds digests alone: name the folder of its inputs with --inputs")
@@ -77,7 +76,7 @@ def _tasks(bundle: Path, inputs: Path | None) -> Iterator[tuple[Manifest, list[T
         if manifest.has_inputs:
             for task in {(one.scenario.config, one.scenario.sumo_options): one for one in tasks}.values():
                 require_closed(task, root)
-        yield manifest, tasks
+        return manifest, tasks
 
 
 def _changed(manifest: Manifest) -> Iterator[tuple[str, str, str]]:

@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
+from typing import IO
 from zipfile import BadZipFile, ZipFile
 
 from sumo_reactive.errors import OutputError, ScenarioError
 from sumo_reactive.files import require_file
-from sumo_reactive.lab.bundle.manifest import INPUTS, MANIFEST, InputKeys, Manifest, RunKeys, manifest_of
+from sumo_reactive.lab.bundle.manifest import INPUTS, MANIFEST, MOST_BYTES, InputKeys, Manifest, RunKeys, manifest_of
 from sumo_reactive.lab.schema import MOST_RECORD_BYTES
 from sumo_reactive.lab.task import Task, task_of
 from sumo_reactive.sumo.config import INSTEAD_OF_RUNNING, OUTPUT_FILES, given_options, option_words, read_config
@@ -51,19 +52,15 @@ def unpack_inputs(archive: ZipFile, manifest: Manifest, root: Path) -> None:
     """Write the files that the runs read into the folder `root`; raise ScenarioError if one is not as the manifest says."""
     for one in manifest.inputs:
         target = place_of(one.name, root)
-        target.parent.mkdir(parents=True, exist_ok=True)
         try:
+            target.parent.mkdir(parents=True, exist_ok=True)
             with archive.open(one.name) as source, target.open("xb") as file:
-                digest, size = hashlib.sha256(), 0
-                while size <= one.bytes and (part := source.read(_PART_BYTES)):
-                    size += len(part)
-                    digest.update(part)
-                    file.write(part)
+                digest, size = copied(source, file, one.bytes)
         except KeyError as error:
             raise ScenarioError(f"{archive.filename}: lacks '{one.name}'") from error
         except OSError as error:
             raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from error
-        _require_same(one, digest.hexdigest(), size, f"{archive.filename}, {one.name}")
+        _require_same(one, digest, size, f"{archive.filename}, {one.name}")
 
 
 def require_inputs(manifest: Manifest, root: Path) -> None:
@@ -72,12 +69,22 @@ def require_inputs(manifest: Manifest, root: Path) -> None:
         file = place_of(one.name, root)
         require_file(file)
         try:
-            with file.open("rb") as content:
-                digest = hashlib.file_digest(content, "sha256").hexdigest()
-            size = file.stat().st_size
+            with file.open("rb") as source:
+                digest, size = copied(source, None, one.bytes)
         except OSError as error:
             raise ScenarioError(f"{file}: cannot be read: {error.strerror or error}") from error
         _require_same(one, digest, size, str(file))
+
+
+def copied(source: IO[bytes], target: IO[bytes] | None, most: int = MOST_BYTES) -> tuple[str, int]:
+    """Copy a file to another, if there is one, little more than `most` bytes of it; return digest and size of what was."""
+    digest, size = hashlib.sha256(), 0
+    while size <= most and (part := source.read(_PART_BYTES)):
+        size += len(part)
+        digest.update(part)
+        if target is not None:
+            target.write(part)
+    return digest.hexdigest(), size
 
 
 def place_of(name: str, root: Path) -> Path:
@@ -91,7 +98,10 @@ def task_in(run: RunKeys, manifest: Manifest, root: Path) -> Task:
     Raises ScenarioError for a command that leads elsewhere, and for inputs that do.
     """
     places = {one.name: str(place_of(one.name, root)) for one in manifest.inputs}
-    words = shlex.split(run.command)
+    try:
+        words = shlex.split(run.command)
+    except ValueError:
+        words = []
     if len(words) <= _SOURCE or words[_SOURCE] not in places or words[_SOURCE].endswith(".toml"):
         raise ScenarioError(f"not a run of a configuration in the bundle: {run.command}")
     words[_SOURCE] = places[words[_SOURCE]]

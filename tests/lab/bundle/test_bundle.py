@@ -13,7 +13,7 @@ import numpy
 import pytest
 from helpers.programs import sumo_reactive
 
-from sumo_reactive.errors import InputError, ScenarioError
+from sumo_reactive.errors import InputError, OutputError, ScenarioError
 from sumo_reactive.lab.bundle.manifest import MANIFEST
 from sumo_reactive.lab.bundle.packing import write_bundle
 from sumo_reactive.lab.bundle.reproduction import drive_again
@@ -46,6 +46,13 @@ ADDITIONAL = "inputs/day/more.add.xml"
 def named(command):
     """Return an edit that gives the run another command."""
     return lambda manifest, files: manifest["runs"][0].update(command=command)
+
+
+def moved_into_a_file(manifest, files):
+    """Let an input lie in another as if that were a folder."""
+    one = manifest["inputs"][-1]
+    files["inputs/day/a.sumocfg/x"] = files.pop(one["name"])
+    one["name"] = "inputs/day/a.sumocfg/x"
 
 
 def written_to(place):
@@ -134,6 +141,7 @@ def test_a_run_is_driven_again_from_its_bundle_alone_and_is_the_same(record, cit
 def test_the_same_record_makes_the_same_bundle(record, tmp_path):
     for name in ("one.zip", "other.zip"):
         write_bundle(record, tmp_path / name)
+        os.utime(record / SUMMARY, (0, 10**9))
     assert (tmp_path / "one.zip").read_bytes() == (tmp_path / "other.zip").read_bytes()
 
 
@@ -224,6 +232,8 @@ def test_inputs_that_lie_elsewhere_by_an_absolute_path_are_told_when_the_bundle_
         (lambda manifest, files: manifest["inputs"][0].update(sha256="0" * 64), "not the file that was driven with"),
         (lambda manifest, files: manifest["inputs"][0].update(bytes=10), "not the file that was driven with"),
         (lambda manifest, files: files.pop("inputs/day/a.sumocfg"), "lacks 'inputs/day/a.sumocfg'"),
+        (moved_into_a_file, "cannot be written"),
+        (named(f"{COMMAND} '"), "not a run of a configuration in the bundle"),
         (named("rm -rf ."), "not a run of a configuration in the bundle"),
         (named("sumo-reactive run /etc/passwd"), "not a run of a configuration in the bundle"),
         (named(f"{COMMAND} --gui"), "not the command of a run"),
@@ -239,7 +249,7 @@ def test_inputs_that_lie_elsewhere_by_an_absolute_path_are_told_when_the_bundle_
 )  # fmt: skip
 def test_a_bundle_that_leads_elsewhere_or_is_damaged_is_refused(record, tmp_path, edit, says):
     write_bundle(record, tmp_path / "b.zip")
-    with pytest.raises(ScenarioError, match=re.escape(says)):
+    with pytest.raises((ScenarioError, OutputError), match=re.escape(says)):
         drive_again(changed(tmp_path / "b.zip", edit))
 
 
@@ -251,6 +261,13 @@ def test_what_is_no_archive_is_refused(tmp_path):
     for name, says in {"text": "not a bundle", "empty": "no manifest", "pipe": "a pipe", "none": "no such file"}.items():
         with pytest.raises(ScenarioError, match=says):
             drive_again(tmp_path / f"{name}.zip")
+
+
+def test_a_record_whose_digest_is_none_makes_no_bundle(record, tmp_path):
+    summary = json.loads((record / SUMMARY).read_text(encoding="utf-8"))
+    (record / SUMMARY).write_text(json.dumps(summary | {"trajectory": "none"}), encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"record: cannot be in a bundle: .*'none'"):
+        write_bundle(record, tmp_path / "b.zip")
 
 
 def test_what_is_no_record_of_runs_makes_no_bundle(record, city, tmp_path):
