@@ -23,6 +23,18 @@ SHARE = "share"
 """What a share of egos is called among the values that vary from trial to trial."""
 
 
+_RUN = "sumo-reactive", "run"
+
+_FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
+    "--ego": ("ego", str), "--seed": ("seed", int), "--step-length": ("step_length_s", float),
+    "--until": ("until_s", float), "--horizon": ("horizon_s", float), "--until-end": ("until_end", bool),
+    "--obstacle-polygons": ("obstacle_polygons", str), "--profile": ("profile", Profile), "--delays": ("delays", Delays),
+}  # fmt: skip
+"""Options that stand for a field of a scenario: its name, and what reads the option's text."""
+
+_MORE = "--parameter", "--driver", "--driver-option", "--ego-probability"
+
+
 @dataclass(frozen=True)
 class Task:
     """One trial: a scenario with one ego, or with a `share` of all road cars as egos, drawn by id and seed, and with what is
@@ -74,7 +86,7 @@ class Outcome:
 def replay_command(task: Task) -> str:
     """Return the command line that repeats a task."""
     scenario = task.scenario
-    share = [] if task.share is None else ["--ego-probability", f"{task.share:g}"]
+    share = [] if task.share is None else ["--ego-probability", _digits(task.share)]
     words = [*_RUN, str(scenario.source), *share, *_options(scenario)]
     if scenario.sumo_options:
         words += ["--", *scenario.sumo_options]
@@ -99,22 +111,9 @@ def task_of(command: str) -> Task:
     except ValueError as error:
         raise ScenarioError(f"not the command of a run: {command}") from error
     scenario = load_scenario(Path(source))
-    if "--driver" in given:
-        fields["driver"] = chosen_driver(given["--driver"][-1], options, Path.cwd())
+    fields["driver"] = chosen_driver(given["--driver"][-1], options, Path.cwd()) if "--driver" in given else REACTIVE
     parameters, sumo_options = scenario.parameters.with_values(varied), tuple(words[end + 1 :])
     return Task(replace(scenario, parameters=parameters, sumo_options=sumo_options, **fields), share)
-
-
-_RUN = "sumo-reactive", "run"
-
-_FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
-    "--ego": ("ego", str), "--seed": ("seed", int), "--step-length": ("step_length_s", float),
-    "--until": ("until_s", float), "--horizon": ("horizon_s", float), "--until-end": ("until_end", bool),
-    "--obstacle-polygons": ("obstacle_polygons", str), "--profile": ("profile", Profile), "--delays": ("delays", Delays),
-}  # fmt: skip
-"""Options that stand for a field of a scenario: its name, and what reads the option's text."""
-
-_MORE = "--parameter", "--driver", "--driver-option", "--ego-probability"
 
 
 def _given(words: Sequence[str]) -> dict[str, list[str]]:
@@ -157,10 +156,15 @@ def _options(scenario: Scenario) -> list[str]:
 
 
 def _ends(scenario: Scenario) -> Iterator[str]:
-    """Yield the options about time, each number with all its digits."""
+    """Yield the options about time."""
     named = {"step-length": scenario.step_length_s, "until": scenario.until_s, "horizon": scenario.horizon_s}
     for name, value in named.items():
         if value is not None:
-            yield from (f"--{name}", f"{value:g}" if float(f"{value:g}") == value else repr(value))
+            yield from (f"--{name}", _digits(value))
     if scenario.until_end:
         yield "--until-end"
+
+
+def _digits(value: float) -> str:
+    """Return a number with all its digits, and no more."""
+    return f"{value:g}" if float(f"{value:g}") == value else repr(value)

@@ -33,7 +33,7 @@ scenarios = some.fixed_dictionaries({
 @settings(max_examples=50, deadline=None)
 @given(scenarios, some.none() | some.floats(0.0, 1.0))
 def test_a_command_is_read_back_as_the_task_that_it_was_written_from(fields, share):
-    task = Task(replace(load_scenario(CONFIG), **fields), None if share is None else float(f"{share:g}"))
+    task = Task(replace(load_scenario(CONFIG), **fields), share)
     varied = replace(task.scenario, parameters=task.scenario.parameters.with_values({"STUCK_S": 100.25, "progress_m": 1}))
     for one in (task, replace(task, scenario=varied)):
         assert task_of(replay_command(one)) == one
@@ -43,6 +43,13 @@ def test_a_command_is_read_back_as_the_task_that_it_was_written_from(fields, sha
 def test_a_command_names_the_driver_with_its_options(driver):
     task = Task(replace(load_scenario(CONFIG), driver=driver))
     assert task_of(replay_command(task)) == task
+
+
+def test_a_command_that_names_no_driver_is_this_projects_whatever_the_file_says(tmp_path):
+    file = tmp_path / "a.toml"
+    file.write_text(f'[scenario]\nconfig = "{CONFIG}"\ndriver = "sumo"\n', encoding="utf-8")
+    task = Task(replace(load_scenario(file), driver=REACTIVE))
+    assert load_scenario(file).driver == SUMO and task_of(replay_command(task)) == task
 
 
 def test_run_has_every_option_of_such_a_command():
