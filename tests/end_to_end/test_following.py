@@ -6,7 +6,7 @@ import signal
 import time as clock
 
 import pytest
-from helpers.programs import ROOT, started, sumo_reactive
+from helpers.programs import ROOT, compile_kernels, started, sumo_reactive
 
 from sumo_reactive.lab import under_way
 from sumo_reactive.lab.recorder import PAGE, SUMMARY
@@ -37,6 +37,7 @@ PATIENCE_S = 60.0
 
 @pytest.fixture
 def place(tmp_path):
+    compile_kernels()
     (tmp_path / "slow.py").write_text(SLOW, encoding="utf-8")
     return tmp_path
 

@@ -30,6 +30,14 @@ def sumo_reactive(*arguments, cwd=None, code="", timeout=280, more_environment=N
     return run_program("sumo_reactive", *arguments, cwd=cwd, code=code, timeout=timeout, more_environment=more_environment)
 
 
+def compile_kernels():
+    """Have the kernels compiled and kept, which takes long, once on a machine, and is no part of what is tested."""
+    from sumo_reactive.driver.kernel_folder import is_cached
+
+    if not is_cached():
+        assert sumo_reactive("run", ROOT / "scenarios" / "four_way_priority.toml", "-q").returncode == 0
+
+
 def started_anew(*arguments, cwd=None, timeout=280):
     """Run the command line as a shell does, from the interpreter's start; return how it ended, with what it said."""
     command = [sys.executable, "-m", "sumo_reactive", *map(str, arguments)]

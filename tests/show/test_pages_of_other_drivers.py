@@ -2,18 +2,10 @@
 
 import pytest
 from helpers.programs import ROOT, sumo_reactive
+from helpers.still import STILL
 
 from sumo_reactive.lab.recorder import PAGE
 
-STILL = """
-from sumo_reactive.lab.drivers.protocol import LaneCommand
-
-class Still:
-    reason = "waits for <nobody>"
-    def start(self, mission): pass
-    def step(self, view): return LaneCommand(-1.0, is_checked=True)
-    def end(self, result): pass
-"""
 NETWORK = ROOT / "networks" / "four_way_priority" / "four_way_priority.sumocfg"
 
 

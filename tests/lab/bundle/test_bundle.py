@@ -12,6 +12,7 @@ from zipfile import ZipFile
 import numpy
 import pytest
 from helpers.programs import sumo_reactive
+from helpers.still import STILL
 
 from sumo_reactive.errors import InputError, OutputError, ScenarioError
 from sumo_reactive.lab.bundle.manifest import MANIFEST
@@ -27,17 +28,6 @@ from sumo_reactive.lab.simulation import run_trial
 ROOT = Path(__file__).parents[3]
 NETWORK = ROOT / "networks" / "four_way_priority"
 HORIZON_S = 3.0
-
-STILL = """
-from sumo_reactive.lab.drivers.protocol import LaneCommand
-
-class Still:
-    reason = "stays"
-    def start(self, mission): pass
-    def step(self, view): return LaneCommand(-1.0, is_checked=True)
-    def end(self, result): pass
-"""
-"""A driver of somebody's."""
 
 COMMAND = "sumo-reactive run inputs/day/a.sumocfg"
 ADDITIONAL = "inputs/day/more.add.xml"
