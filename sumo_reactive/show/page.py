@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
+import json
 import math
 import re
 from collections.abc import Iterable, Sequence
+from functools import cache
 from html import escape
 from pathlib import Path
 from string import Template
@@ -84,15 +88,11 @@ FRAME: dict[str, Any] = {
 _TEMPLATE = Path(__file__).with_name("page.html")
 """The document around a page's parts. It has the browser itself refuse every request that a page might make."""
 
-_SCRIPT = """<script>
-addEventListener("load", () => {
-  for (const plot of document.querySelectorAll(".js-plotly-plot")) Plotly.Plots.resize(plot);
-});
-for (const button of document.querySelectorAll("button[data-plot]"))
-  button.addEventListener("click", () => Plotly.relayout(button.dataset.plot, JSON.parse(button.dataset.view)));
-</script>
-"""
-"""Figures take the width that they have when all is there; a button shows a part of the figure that it names."""
+_LIBRARY, _FIGURE = "library", "figure"
+"""What kind of stored text is the packed plotting library, and what a figure: its div comes before it."""
+
+_SCRIPT = Path(__file__).with_name("page.js")
+"""Unpacks the library, draws the figures, and then resolves `figuresDrawn`; a button shows a part of a figure it names."""
 
 
 class Html(str):
@@ -111,17 +111,31 @@ class Section(NamedTuple):
 
 def page(title: str, subtitle: str, sections: Iterable[Section], *, is_drawn: bool = True) -> str:
     """Return a whole page; `is_drawn`: it holds figures, which share one copy of the plotting library."""
-    from plotly.offline import get_plotlyjs
-
     kept = [section for section in sections if section.parts]
     return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
         title=escape(title),
         subtitle=_cell(subtitle),
         links=" · ".join(f'<a href="#{escape(one.anchor)}">{escape(one.heading)}</a>' for one in kept),
         body="".join(map(_section, kept)),
-        library=f"<script>{get_plotlyjs()}</script>\n" if is_drawn else "",
-        script=_SCRIPT if is_drawn else "",
+        script=f"<script>{_SCRIPT.read_text(encoding='utf-8')}</script>{_library()}\n" if is_drawn else "",
     )
+
+
+@cache
+def _library() -> Html:
+    from plotly.offline import get_plotlyjs
+
+    return stored(_LIBRARY, packed(get_plotlyjs()))
+
+
+def packed(text: str) -> str:
+    """Return a text as gzip in base64; the same text gives the same."""
+    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
+
+
+def stored(kind: str, text: str) -> Html:
+    """Return a text that a script of the page reads by its kind; a browser neither shows nor runs it."""
+    return Html(f'<script type="text/plain" data-kind="{kind}">{text}</script>')
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, is_long: bool = False) -> Html:
@@ -150,11 +164,10 @@ def code(text: str) -> Html:
 
 def figure_html(figure: Figure, name: str) -> Html:
     """Return a figure, as high as its layout says, under an id of its own; the library is the page's."""
-    from plotly.io import to_html
-
-    height, div = f"{int(figure.layout.height)}px", f"plot-{name}"
-    drawn = to_html(figure, config=_CONFIG, include_plotlyjs=False, full_html=False, default_height=height, div_id=div)
-    return Html(f'<div class="plot">{drawn}</div>')
+    drawn = json.loads(figure.to_json()) | {"config": _CONFIG}
+    text = json.dumps(drawn, separators=(",", ":")).replace("<", "\\u003c")
+    div = f'<div id="plot-{escape(name)}" style="height:{int(figure.layout.height)}px"></div>'
+    return Html(f'<div class="plot">{div}{stored(_FIGURE, text)}</div>')
 
 
 def side_by_side(parts: Iterable[str]) -> Html:

@@ -1,10 +1,9 @@
 // The replay of a run: a map that plays. Data: `payload_of` in replay.py; places in m, headings in rad, times in s.
 "use strict";
 (async () => {
-  if (document.readyState !== "complete") await new Promise((done) => addEventListener("load", done, { once: true }));
-  const root = document.getElementById("replay-player");
-  const packed = Uint8Array.from(atob(document.getElementById("replay-data").textContent.trim()), (c) => c.charCodeAt(0));
-  const data = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).json();
+  if (document.readyState === "loading") await new Promise((done) => addEventListener("DOMContentLoaded", done, { once: true }));
+  const root = document.getElementById("replay-player"), data = await unpacked(stored("replay")[0].textContent).json();
+  await figuresDrawn;
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const canvas = part("map"), pen = canvas.getContext("2d"), said = part("said"), about = part("about");
   const slider = part("time"), clock = part("clock"), play = part("play"), rate = part("rate");
@@ -32,24 +31,30 @@
   const between = (a, b, share) => a + share * (b - a);
   const turned = (a, b, share) => a + share * Math.atan2(Math.sin(b - a), Math.cos(b - a));
 
-  // Who is there at a step: a map from user to [x, y, heading, speed, signals].
+  // Who is there at a step: a map from user to [x, y, heading, speed, signals]. Tracks hold changes of changes.
+  const there = data.times.map(() => []);
+  for (const [user, first, ...columns] of data.users.tracks) {
+    const values = columns.map((changes) => {
+      let rate = 0, value = 0;
+      return changes.map((change) => (value += (rate += change)));
+    });
+    values[0].forEach((_, k) => there[first + k].push([user, ...values.map((column) => column[k])]));
+  }
   const seen = new Map();
   const usersAt = (step) => {
     if (!seen.has(step)) {
       if (seen.size > 64) seen.clear();
-      const row = data.users.steps[step], found = new Map();
-      for (let k = 0; k < row.length; k += 6) found.set(row[k], [row[k + 1] / 100, row[k + 2] / 100, row[k + 3] / 1000, row[k + 4] / 100, row[k + 5]]);
-      seen.set(step, found);
+      seen.set(step, new Map(there[step].map(([user, x, y, heading, speed, signals]) => [user, [x / 100, y / 100, heading / 1000, speed / 100, signals]])));
     }
     return seen.get(step);
   };
   const scene = () => {
     const step = stepAt(now), next = Math.min(step + 1, last), span = data.times[next] - data.times[step];
-    const share = span > 0 ? Math.min(1, (now - data.times[step]) / span) : 0, ego = data.ego, there = usersAt(next);
+    const share = span > 0 ? Math.min(1, (now - data.times[step]) / span) : 0, ego = data.ego, after = usersAt(next);
     const mine = [between(ego.x[step], ego.x[next], share), between(ego.y[step], ego.y[next], share),
       turned(ego.heading[step], ego.heading[next], share), ego.speed[step]];
     const users = [...usersAt(step)].map(([user, at]) => {
-      const then = there.get(user) || at;
+      const then = after.get(user) || at;
       return [user, [between(at[0], then[0], share), between(at[1], then[1], share), turned(at[2], then[2], share), at[3], at[4]]];
     });
     return { step, mine, users };

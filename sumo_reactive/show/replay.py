@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,7 +21,7 @@ from sumo_reactive.lab.tables import parquet_rows
 from sumo_reactive.lab.trace import Entry
 from sumo_reactive.lab.under_way import PROCESS
 from sumo_reactive.show.explain import paragraph
-from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html
+from sumo_reactive.show.page import BEHAVIOUR_COLOURS, Html, packed, stored
 from sumo_reactive.show.recording import CLOSE_S, Recording, Steps
 from sumo_reactive.show.sentences import REASONS
 
@@ -72,10 +71,8 @@ def replay_of(recording: Recording, steps: Steps) -> Html | None:
     if not (is_there(recording.folder / SURROUNDINGS) and is_there(recording.folder / USERS)):
         return None
     text = json.dumps(payload_of(recording, steps), allow_nan=False, separators=(",", ":"))
-    packed = base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
     style, script = (Path(__file__).with_name(f"replay.{kind}").read_text(encoding="utf-8") for kind in ("css", "js"))
-    stored = f'<script type="text/plain" id="replay-data">{packed}</script>'
-    return Html(f"<style>{style}</style>{_PLAYER}{stored}<script>{script}</script>")
+    return Html(f"<style>{style}</style>{_PLAYER}{stored('replay', packed(text))}<script>{script}</script>")
 
 
 def payload_of(recording: Recording, steps: Steps) -> dict[str, Any]:
@@ -119,24 +116,42 @@ _USUAL_M = 5.0, 1.8
 
 
 def _users(recording: Recording, steps: Steps) -> dict[str, Any]:
-    """Return everybody, and for each step who was where: six whole numbers a user."""
+    """Return everybody, and the tracks: user, first step, then x, y, heading, speed and signals as `_changes`."""
     path = recording.folder / USERS
     query = f"SELECT \"user\", {', '.join(USER_NUMBERS)} FROM steps ORDER BY time_s"
     try:
         rows = parquet_rows(path, query, MOST_USER_ROWS)
         ids = {name: k for k, name in enumerate(dict.fromkeys(str(row[0]) for row in rows))}
         sizes = {ids[str(row[0])]: (round(float(row[6]), 2), round(float(row[7]), 2)) for row in rows}
-        found: list[list[int]] = [[] for _ in steps.times]
-        k = 0
-        for user, time, x, y, heading, speed, _, _, signals in rows:
-            while k + 1 < len(found) and steps.times[k] < time - CLOSE_S:
-                k += 1
-            place = round(x * _CM), round(y * _CM), round(heading * _MRAD)
-            found[k].extend((ids[str(user)], *place, round(speed * _CM), int(signals)))
+        tracks = _tracks(rows, ids, steps.times)
     except (duckdb.Error, TypeError, ValueError, OverflowError, MemoryError, RuntimeError) as error:
         raise ScenarioError(f"{path}: not the users of a run: {' '.join(str(error).split())}") from error
     lengths, widths = ([sizes[k][side] for k in range(len(ids))] for side in (0, 1))
-    return {"ids": list(ids), "length": lengths, "width": widths, "steps": found}
+    return {"ids": list(ids), "length": lengths, "width": widths, "tracks": tracks}
+
+
+def _tracks(rows: Iterable[Sequence[Any]], ids: Mapping[str, int], times: Sequence[float]) -> list[list[Any]]:
+    """Return a track for each time that somebody is seen without a gap."""
+    tracks: list[tuple[int, int, list[tuple[int, ...]]]] = []
+    latest: dict[int, int] = {}
+    step = 0
+    for name, time, x, y, heading, speed, _, _, signals in rows:
+        while step + 1 < len(times) and times[step] < time - CLOSE_S:
+            step += 1
+        user = ids[str(name)]
+        at = latest.get(user)
+        if at is None or tracks[at][1] + len(tracks[at][2]) != step:
+            at = latest[user] = len(tracks)
+            tracks.append((user, step, []))
+        moved = round(x * _CM), round(y * _CM), round(heading * _MRAD), round(speed * _CM), int(signals)
+        tracks[at][2].append(moved)
+    return [[user, first, *map(_changes, zip(*held, strict=True))] for user, first, held in tracks]
+
+
+def _changes(values: Iterable[int]) -> list[int]:
+    """Return the changes of the changes from one to the next, both from zero on: small where somebody drives steadily."""
+    once = [after - before for before, after in pairwise((0, *values))]
+    return [after - before for before, after in pairwise((0, *once))]
 
 
 def _flat(line: Iterable[Sequence[float]]) -> list[float]:

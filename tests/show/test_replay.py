@@ -121,6 +121,12 @@ def test_the_record_of_a_trip_stays_small(record, scenes):
     assert size * 600.0 / (found[-1].step.time - found[0].step.time) < 20e6
 
 
+def test_five_minutes_fit_a_page_of_six_megabytes(record, scenes):
+    page = page_of(record, record / "report.html")
+    library = len(re.search(r'data-kind="library">([^<]+)<', page)[1])
+    assert library + (len(page) - library) * 300.0 / (scenes[-1].step.time - scenes[0].step.time) < 6e6
+
+
 def test_the_field_is_that_of_the_kernel_which_chose(scenes):
     decided = [scene for scene in scenes if scene.step.pilot and scene.field() is not None]
     assert len(decided) > 20
@@ -139,11 +145,25 @@ def test_the_field_is_that_of_the_kernel_which_chose(scenes):
 
 def test_the_player_gets_what_the_record_holds(record, scenes):
     found, data = scenes, told(record)
-    assert len(data["times"]) == len(data["users"]["steps"]) == len(found)
+    assert len(data["times"]) == len(found)
     assert any(label.startswith("red: ") for _, some in data["constraints"] for *_, label in some)
     assert {name for _, letters in data["letters"] for name in letters} == {light[0] for light in data["lights"]}
     assert data["ego"]["length"] == read_run(record).summary["length_m"]
-    assert all(len(row) % 6 == 0 for row in data["users"]["steps"])
+
+
+def test_the_tracks_of_the_player_are_who_was_where_at_every_step(record):
+    data, found = told(record), set()
+    for user, first, *columns in data["users"]["tracks"]:
+        places = zip(*(np.cumsum(np.cumsum(column)).tolist() for column in columns), strict=True)
+        found |= {(data["users"]["ids"][user], first + k, *place) for k, place in enumerate(places)}
+    columns, units = '"user", time_s, x_m, y_m, heading_rad, speed_m_s, signals', (100, 100, 1000, 100, 1)
+    rows = duckdb.sql(f"SELECT {columns} FROM '{record / USERS}'").fetchall()
+    step = {round(time, 2): k for k, time in enumerate(data["times"])}
+    assert found == {
+        (name, step[round(time, 2)], *(round(one * unit) for one, unit in zip(place, units, strict=True)))
+        for name, time, *place in rows
+    }
+    assert len(data["users"]["tracks"]) < len(found) / 20
 
 
 def test_a_post_conflict_region_is_on_c_and_says_who_takes_it(record, scenes):
@@ -182,7 +202,7 @@ def test_the_page_holds_the_data_packed_and_no_name_breaks_out_of_it(record):
     hostile = text.replace('"the light is red","', '"the light is red","</script><b>red')
     (record / SURROUNDINGS).write_text(hostile, encoding="utf-8")
     page = page_of(record, record / "report.html")
-    packed = re.search(r'<script type="text/plain" id="replay-data">([A-Za-z0-9+/=]+)</script>', page)[1]
+    packed = re.search(r'<script type="text/plain" data-kind="replay">([A-Za-z0-9+/=]+)</script>', page)[1]
     assert "</script><b>" in gzip.decompress(base64.b64decode(packed)).decode()
     assert "<b>red" not in page
 
@@ -251,6 +271,50 @@ def test_the_player_plays_goes_to_a_decision_and_says_it(record, tmp_path):
     assert seen["said"].startswith(f"{seen['row']:.1f} s")
     assert seen["next"] > seen["went"]
     assert min(seen["size"]) > 200
+
+
+CLICKED = """<script>
+addEventListener("load", () => setTimeout(async () => {
+  const wait = (ms) => new Promise((done) => setTimeout(done, ms)), [time, ahead, up] = WHERE, seen = [];
+  const player = document.getElementById("replay-player"), part = (name) => player.querySelector(`[data-part="${name}"]`);
+  const map = part("map"), box = map.getBoundingClientRect(), PX_PER_M = 6;
+  map.setPointerCapture = () => {};
+  part("time").value = time;
+  part("time").dispatchEvent(new Event("input"));
+  await wait(200);
+  for (const side of [0, 60]) {
+    const x = box.left + box.width / 2 + PX_PER_M * ahead, y = box.top + box.height / 2 - PX_PER_M * (up + side);
+    for (const kind of ["pointerdown", "pointerup"]) map.dispatchEvent(new PointerEvent(kind, { clientX: x, clientY: y }));
+    seen.push(part("about").textContent);
+  }
+  document.body.dataset.seen = JSON.stringify(seen);
+}, 1500));
+</script>"""
+
+
+def taken_room(data):
+    """Return when a post-conflict region is taken, a place of it from the ego, m, where nobody else is, and its sentence."""
+    for time, some in data["rooms"]:
+        k = int(np.searchsorted(data["times"], time))
+        ego, others = (data["ego"]["x"][k], data["ego"]["y"][k]), []
+        for _, first, xs, ys, *_ in data["users"]["tracks"]:
+            if first <= k < first + len(xs):
+                others.append(tuple(float(np.cumsum(np.cumsum(column))[k - first]) / 100 for column in (xs, ys)))
+        for line, state, sentence in some:
+            for place in zip(line[::2], line[1::2], strict=True):
+                is_alone = all(math.dist(place, other) > 8.0 for other in others)
+                if state == "occupied" and is_alone and math.dist(place, ego) < 30.0:
+                    return data["times"][k], place[0] - ego[0], place[1] - ego[1], sentence
+    raise AssertionError("no post-conflict region is taken")
+
+
+@pytest.mark.skipif(BROWSER is None, reason=NO_BROWSER)
+def test_a_click_on_a_post_conflict_region_tells_its_state_in_the_browser(record, tmp_path):
+    page = record / "report.html"
+    page.write_text(page_of(record, page), encoding="utf-8")
+    *where, sentence = taken_room(told(record))
+    seen, console = browsed(page, tmp_path, CLICKED.replace("WHERE", json.dumps(where)), "seen")
+    assert console == [] and sentence in seen[0] and sentence not in seen[1]
 
 
 def test_run_keeps_every_field_on_request_and_only_in_a_folder(tmp_path):

@@ -138,7 +138,7 @@ def test_without_the_network_the_page_says_so_and_is_drawn(recording):
 
 def test_a_page_escapes_names_and_holds_one_copy_of_the_library(recording):
     text = run_page(recording)
-    assert text.count("<script>/**") == 1
+    assert text.count('data-kind="library"') == 1
     assert "veh_&lt;7&gt;" in text and "<7>" not in text.partition("<body>")[2]
 
 
