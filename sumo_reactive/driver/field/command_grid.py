@@ -87,12 +87,18 @@ def accelerations_about(acceleration: float, change: float, planned: float, emer
     `planned` deceleration to that of an `emergency`; none beyond the latter, none above `most`."""
     gentle = max(acceleration, -planned)  # plus 0, of which there is but one then
     nodes = np.array([-emergency, -0.5 * (planned + emergency), -planned, gentle - change, gentle + 0.0, gentle + change])
-    nodes = np.sort(np.minimum(np.maximum(nodes, -emergency), most))
-    n = 1
-    for k in range(1, len(nodes)):
-        if nodes[k] > nodes[n - 1]:
-            nodes[n] = nodes[k]
-            n += 1
+    n = 0
+    for node in nodes:
+        one = min(max(node, -emergency), most)
+        k = n
+        while k > 0 and nodes[k - 1] > one:
+            k -= 1
+        if k > 0 and nodes[k - 1] == one:
+            continue
+        for later in range(n, k, -1):
+            nodes[later] = nodes[later - 1]
+        nodes[k] = one
+        n += 1
     return nodes[:n]
 
 

@@ -211,9 +211,10 @@ def best_of(
         if total[best] == np.inf:
             break
         v, angle = ahead[best, 0], ahead[best, 1]
-        x, y, h = poses[best]
+        x, y, h = poses[best, 0], poses[best, 1], poses[best, 2]
         if grown[best] == 0:
-            x, y, h = poses[best] = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+            x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
+            poses[best, 0], poses[best, 1], poses[best, 2] = x, y, h
             terms[best, 0], leads[best] = valley_of_command(
                 state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, driver
             )
@@ -251,7 +252,7 @@ def best_of(
             fallback, least = k, terms[k, 0]
     if fallback < 0:
         fallback = hardest * len(rates) + int(np.argmin(np.abs(rates)))
-        terms[fallback] = 0.0
+        terms[fallback, 0] = 0.0
     v, angle = ahead[fallback, 0], ahead[fallback, 1]
     x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
     return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2], x, y, h, v, angle
@@ -295,8 +296,8 @@ def choose_command(
             accelerations, i = around(accelerations, i), 2
         steers = half % 2 == 0
         index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
-            car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1], True, turn,
-            period, room, wanted, lowest, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, boxes, corners, shadows,
+            car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1], rounds > 0,
+            turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, boxes, corners, shadows,
             driver,
         )  # fmt: skip
         if steers:

@@ -109,7 +109,9 @@ def near_boxes(
         away, reach = abs(dx) + abs(dy), own + boxes[i, 4] + boxes[i, 3] * TURN_FORESEEN_S
         if not away < NEAR_M:
             continue
-        near[m, :6], near[m, 7] = boxes[i, :6], np.inf
+        for column in range(6):  # a slice would have numba compile the words of an error
+            near[m, column] = boxes[i, column]
+        near[m, 7] = np.inf
         ahead = dx * c + dy * s > -BEHIND_SHARE * away
         if ahead and boxes[i, 3] > STANDING_SPEED and dx * dx + dy * dy < reach * reach:
             touchable[k, 0], touchable[k, 1] = m, i
