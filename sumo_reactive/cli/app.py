@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from sumo_reactive.lab.scenario import Scenario
     from sumo_reactive.sumo.session import Progress
 
-_COMPILING = "compiling the kernels once (about 20 s)…"
+_COMPILING = "compiling the kernels once (about 15 s)…"
 _COMPILING_ALWAYS = (
-    "compiling the kernels (about 20 s), for this run alone: others can write to what leads to XDG_CACHE_HOME or ~/.cache…"
+    "compiling the kernels (about 15 s), for this run alone: others can write to what leads to XDG_CACHE_HOME or ~/.cache…"
 )
 
 JOBS = ("--jobs", "-j", "--workers")
@@ -141,12 +141,14 @@ def _driver_option(text: str) -> tuple[str, DriverOption]:
     return name, read if isinstance(read, str | int | float | bool) else value
 
 
-def note_compiling() -> None:
-    """Say so if the kernels are about to be compiled."""
+def compile_first() -> None:
+    """Have the kernels compiled if they are not, and say so before."""
     from sumo_reactive.driver.kernel_folder import is_cached, is_kept
+    from sumo_reactive.lab.compiling import compile_ahead
 
     if not is_cached():
         typer.echo(_COMPILING if is_kept() else _COMPILING_ALWAYS, err=True)
+        compile_ahead()
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app, note_compiling
+from sumo_reactive.cli.app import app, compile_first
 from sumo_reactive.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def batch(
         left = [trial for trial in trials if trial.key not in finished]
         there = f", {len(trials) - len(left)} of them in {experiment.store} already" if len(left) < len(trials) else ""
         typer.echo(f"{len(trials)} trials{there}")
-        note_compiling()
+        compile_first()
         with _shown(len(left)) as progress:
             run_batch(experiment, left, store, workers or len(os.sched_getaffinity(0)), scheduler, progress)
         failed = store.without_result()

@@ -13,8 +13,8 @@ from sumo_reactive.cli.app import (
     DriverOptions,
     SeedsOption,
     app,
+    compile_first,
     drivers_named,
-    note_compiling,
     seeds_named,
 )
 from sumo_reactive.errors import ExitCode
@@ -46,7 +46,7 @@ def check(
             from sumo_reactive.writing import require_writable
 
             require_writable(target, is_folder=target is out)
-    note_compiling()
+    compile_first()
     width = max(len(case.name) for case in cases)
     verdicts = []
     for verdict in run_cases(cases, jobs, time_limit):

@@ -20,9 +20,9 @@ from sumo_reactive.cli.app import (
     ParameterOption,
     SeedsOption,
     app,
+    compile_first,
     drivers_named,
     figures_kept,
-    note_compiling,
     parameters_with,
     seeds_named,
     show_table,
@@ -70,7 +70,7 @@ def compare_drivers(
     scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in scenarios]
     drivers = _challengers(scenarios[0], driver or [], driver_option or [])
     folders = _folders(out, drivers, overwrite)
-    note_compiling()
+    compile_first()
     with _counted((1 + len(drivers)) * len(scenarios), quiet) as progress:
         comparisons = compare(
             scenarios, horizon_s=horizon, jobs=jobs or os.cpu_count() or 1, wall_limit_s=time_limit, drivers=drivers,

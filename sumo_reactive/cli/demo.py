@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from sumo_reactive.cli.app import app, note_compiling, progress_shown
+from sumo_reactive.cli.app import app, compile_first, progress_shown
 
 DEMO_CONFIG = Path(__file__).resolve().parent.parent / "demo" / "figure4.sumocfg"
 """networks/figure4, to which a clone has links here and a wheel the files themselves."""
@@ -35,7 +35,7 @@ def demo(
     from sumo_reactive.writing import write_whole
 
     recorder, page = Recorder(out, overwrite=overwrite), out / PAGE
-    note_compiling()
+    compile_first()
     with progress_shown(quiet) as progress, crashes_told():
         result = run_trial(load_scenario(DEMO_CONFIG), observer=recorder.see, progress=progress)
     recorder.write(result)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sumo_reactive.cli.app import DRIVER_HELP, JOBS, app, note_compiling, status_shown
+from sumo_reactive.cli.app import DRIVER_HELP, JOBS, app, compile_first, status_shown
 from sumo_reactive.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def reproduce(
     """Drive the runs of a bundle again, and tell whether every step is the same."""
     from sumo_reactive.lab.bundle import reproduction
 
-    note_compiling()
+    compile_first()
     numbers = count(1)
     with status_shown(quiet, "unpacking and checking") as show:
         found = reproduction.drive_again(

@@ -17,9 +17,9 @@ from sumo_reactive.cli.app import (
     ParameterOption,
     SeedOption,
     app,
+    compile_first,
     drivers_named,
     figures_kept,
-    note_compiling,
     parameters_with,
     progress_shown,
     show_table,
@@ -164,7 +164,7 @@ def _drive(
     show: Callable[[Any, bool], None] = _show_several if rule else _show
     recorder = kept() if kept else None
     observer = _watched(recorder.see if recorder else None, gui_speed)
-    note_compiling()
+    compile_first()
     with progress_shown(quiet) as progress, crashes_told():
         result: Any = drive(observer=observer, progress=progress, has_window=gui_speed is not None)
     show(result, quiet)
