@@ -34,6 +34,9 @@ run_trial(load_scenario(Path({str(FIGURE4)!r})), observer=see, has_window=True)
 """
 """At 85 s the ego waits for those from the right."""
 
+SOME = 8
+"""So many pixels of a colour are seen: a bar across a lane has 17 or more, depending on the drawing library."""
+
 needs_display = pytest.mark.skipif(not (XVFB and X11), reason=NO_DISPLAY)
 
 
@@ -86,7 +89,7 @@ def test_the_window_shows_behaviour_curve_stop_regions_and_the_reason(shown, tmp
     pixels = (imread(picture)[:, :, :3] * 255).round().astype(int)
     for colour in (BEHAVIOUR_COLOURS[Behaviour.CAUTIOUS], "#56b4e9", "#d55e00"):
         wanted = [*bytes.fromhex(colour[1:])]
-        assert (abs(pixels - wanted).max(axis=2) <= 2).sum() > 20, colour
+        assert (abs(pixels - wanted).max(axis=2) <= 2).sum() > SOME, colour
 
 
 def test_no_display_is_one_line(tmp_path):
