@@ -66,7 +66,7 @@ class ScenarioCollector(pytest.File):
         shown = _as_typed(self.path, self.config.invocation_params.dir)
         for case in cases:
             named = replace(case, scenario=replace(case.scenario, source=shown))
-            yield ScenarioItem.from_parent(self, name=f"seed {case.scenario.seed}", case=named)
+            yield ScenarioItem.from_parent(self, name=case.label, case=named)
 
 
 class ScenarioItem(pytest.Item):

@@ -31,7 +31,7 @@ import numpy as np
 from benchmark_run import Case, count, processor_time, theirs
 from sumolib import checkBinary
 
-from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_fleet
@@ -137,7 +137,7 @@ def _scenario(factor: float, until: float) -> Scenario:
 
 
 def _rule(share: float) -> EgoRule:
-    return EgoRule(probability=share) if share else EgoRule(ids=("ego",))
+    return EgoRule(share=share) if share else EgoRule(ids=("ego",))
 
 
 def timed(function: Callable[..., Any], spent: list[float]) -> Callable[..., Any]:

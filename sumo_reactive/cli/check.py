@@ -58,15 +58,16 @@ def check(
 
 
 def _line(verdict: Verdict, width: int) -> str:
-    result = verdict.outcome.result
-    if verdict.is_met and result is not None:
-        return f"met     {verdict.case.name:<{width}}  {result.duration_s:.1f} s driven in {verdict.outcome.wall_s:.1f} s"
+    result, network = verdict.outcome.result, verdict.outcome.network
+    if verdict.is_met:
+        came = f"{result.duration_s:.1f} s driven" if result else network.verdict if network else ""
+        return f"met     {verdict.case.name:<{width}}  {came} in {verdict.outcome.wall_s:.1f} s"
     return f"FAILED  {verdict.case.name:<{width}}  {'; '.join(verdict.reasons)}"
 
 
 def _kept(verdicts: list[Verdict], out: Path, time_limit: float) -> list[Verdict]:
     """Record each case that was not met in a folder of its own, with its page; return the verdicts with where that is."""
-    from sumo_reactive.lab.check import recorded
+    from sumo_reactive.lab.check import blamed, recorded
     from sumo_reactive.lab.recorder import EgoFolders
     from sumo_reactive.show.reports import page_beside, page_of
     from sumo_reactive.writing import write_whole
@@ -77,12 +78,12 @@ def _kept(verdicts: list[Verdict], out: Path, time_limit: float) -> list[Verdict
             kept.append(verdict)
             continue
         scenario = verdict.case.scenario
-        short = f"{scenario.source.stem}_seed_{scenario.seed}"
+        share = "" if scenario.egos is None or scenario.egos.share is None else f"_share_{scenario.egos.share:g}"
+        short = f"{scenario.source.stem}_seed_{scenario.seed}{share}"
         found = recorded(verdict, out / folders.of(verdict.case.name if short in cases else short), time_limit)
         cases.add(short)
-        if found.record is not None:
-            page = page_beside(found.record)
-            write_whole(page, page_of(found.record, page))
+        for folder in [found.record, *blamed(found)] if found.record is not None else []:
+            write_whole(page_beside(folder), page_of(folder, page_beside(folder)))
         kept.append(found)
     return kept
 

@@ -29,14 +29,18 @@ from sumo_reactive.cli.app import (
     status_shown,
     with_options,
 )
+from sumo_reactive.cli.egos import ClassOption, RegionOption, ShareOption, TypeOption, rule_asked
 
 if TYPE_CHECKING:
     from sumo_reactive.lab.comparison.comparison import Comparison
     from sumo_reactive.lab.drivers.choice import DriverChoice
+    from sumo_reactive.lab.ego_rule import EgoRule
     from sumo_reactive.lab.scenario import Scenario
 
 _HORIZON_S = 600.0
 """Ten minutes: most trips in a town are over, and a jam that one car has caused is gone or has shown."""
+
+_Horizon = Annotated[float, typer.Option(min=1.0, help="end both runs this long after the ego's departure, s")]
 
 _EXAMPLE = "Example: sumo-reactive compare my.sumocfg --ego veh_12 --out DIR"
 
@@ -46,15 +50,17 @@ def compare_drivers(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
     ego: Annotated[list[str] | None, typer.Option(help="vehicle to drive, repeatable; else as for 'run'")] = None,
+    ego_type: TypeOption = None,
+    ego_class: ClassOption = None,
+    ego_region: RegionOption = None,
+    ego_probability: ShareOption = None,
     seed: SeedsOption = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
     until: Annotated[float | None, typer.Option(help="end both runs at this simulation time, s")] = None,
     parameter: ParameterOption = None,
     driver: Annotated[list[str] | None, typer.Option(help=f"{DRIVER_HELP} (repeatable)")] = None,
     driver_option: DriverOptions = None,
-    horizon: Annotated[
-        float, typer.Option(min=1.0, help="end both runs this long after the ego's departure, s")
-    ] = _HORIZON_S,
+    horizon: _Horizon = _HORIZON_S,
     jobs: Annotated[int | None, typer.Option(*JOBS, min=1, metavar="N", help="runs at a time; else cores")] = None,
     time_limit: Annotated[float, typer.Option(min=1.0, help="wall-clock time that a run may take, s")] = 3600.0,
     out: Annotated[Path | None, typer.Option(help="folder for comparison.json and comparison.csv")] = None,
@@ -65,17 +71,16 @@ def compare_drivers(
     from sumo_reactive.lab.comparison.comparison import compare
     from sumo_reactive.lab.comparison.record import write
 
-    scenarios = _scenarios(config, ego or [], seeds_named(seed or []))
+    rule = rule_asked((), ego_type, ego_class, ego_region, ego_probability)
     options = {"step_length_s": step_length, "until_s": until, "sumo_options": tuple(context.obj or ())}
-    scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in scenarios]
+    named = _scenarios(config, ego or [], seeds_named(seed or []), rule)
+    scenarios = [with_options(one, parameters=parameters_with(one, parameter or []), **options) for one in named]
     drivers = _challengers(scenarios[0], driver or [], driver_option or [])
     folders = _folders(out, drivers, overwrite)
     compile_first()
+    driven = partial(compare, horizon_s=horizon, jobs=jobs or os.cpu_count() or 1, wall_limit_s=time_limit)
     with _counted((1 + len(drivers)) * len(scenarios), quiet) as progress:
-        comparisons = compare(
-            scenarios, horizon_s=horizon, jobs=jobs or os.cpu_count() or 1, wall_limit_s=time_limit, drivers=drivers,
-            progress=progress,
-        )  # fmt: skip
+        comparisons = driven(scenarios, drivers=drivers, progress=progress)
     _show_all(comparisons, quiet)
     for comparison, folder in zip(comparisons, folders, strict=False):
         with figures_kept(quiet, partial(_show_all, comparisons, False)):
@@ -123,20 +128,25 @@ def _show_all(comparisons: Sequence[Comparison], quiet: bool) -> None:
         _show(comparison, quiet)
 
 
-def _scenarios(config: Path, egos: Sequence[str], seeds: Sequence[int]) -> list[Scenario]:
-    """Return a scenario for each ego and seed; what the command line leaves out is as the file says."""
+def _scenarios(config: Path, egos: Sequence[str], seeds: Sequence[int], rule: EgoRule | None) -> list[Scenario]:
+    """Return a scenario for each ego, or each rule for several, and seed; what the command line leaves out is as the file
+    says."""
     from sumo_reactive.lab.scenario import load_scenario, load_scenario_file
 
+    if rule and egos:
+        raise typer.BadParameter("--ego: one trip each; several egos at once are chosen by kind and share")
     if len(set(egos)) < len(egos):
         raise typer.BadParameter("--ego: a value is given twice")
     if config.suffix == ".toml":
-        file = load_scenario_file(config)
-        scenario, own_seeds = file.scenario, file.seeds
+        scenario, own_seeds, _, own_rules = load_scenario_file(config)
     else:
-        scenario = load_scenario(config)
+        scenario, own_rules = load_scenario(config), ()
         own_seeds = (scenario.seed,)
+    rules = () if egos else (rule,) if rule else own_rules
+    if rules:
+        return [replace(scenario, ego=None, egos=rule, seed=seed) for rule in rules for seed in seeds or own_seeds]
     chosen = egos or (scenario.ego,)
-    return [replace(scenario, ego=ego, seed=seed) for ego in chosen for seed in seeds or own_seeds]
+    return [replace(scenario, ego=ego, egos=None, seed=seed) for ego in chosen for seed in seeds or own_seeds]
 
 
 def _show(comparison: Comparison, quiet: bool) -> None:

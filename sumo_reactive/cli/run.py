@@ -25,10 +25,11 @@ from sumo_reactive.cli.app import (
     show_table,
     with_options,
 )
+from sumo_reactive.cli.egos import ClassOption, RegionOption, ShareOption, TypeOption, rule_asked
 
 if TYPE_CHECKING:
     from sumo_reactive.driver.nouns.record import Scene
-    from sumo_reactive.lab.egos import EgoRule
+    from sumo_reactive.lab.ego_rule import EgoRule
     from sumo_reactive.lab.result import FleetResult, TrialResult
     from sumo_reactive.lab.scenario import Scenario
     from sumo_reactive.lab.simulation import SceneObserver
@@ -69,10 +70,6 @@ EgoOption = Annotated[
     list[str] | None, typer.Option(help="vehicle to drive (repeatable); else one named 'ego', else the first car")
 ]
 
-ShareOption = Annotated[
-    float | None, typer.Option(min=0.0, max=1.0, help="drive this share of all cars, drawn by id and seed")
-]
-
 HorizonOption = Annotated[float | None, typer.Option(min=0.1, help="end this long after the departure of the one ego, s")]
 
 PolygonsOption = Annotated[
@@ -87,7 +84,9 @@ def run(
     context: typer.Context,
     config: Annotated[Path, typer.Argument(help="a .sumocfg, or a scenario .toml")],
     ego: EgoOption = None,
-    ego_type: Annotated[list[str] | None, typer.Option(help="drive every vehicle of this type")] = None,
+    ego_type: TypeOption = None,
+    ego_class: ClassOption = None,
+    ego_region: RegionOption = None,
     ego_probability: ShareOption = None,
     seed: SeedOption = None,
     step_length: Annotated[float | None, typer.Option(help="simulation step, s")] = None,
@@ -115,41 +114,37 @@ def run(
     scenario = with_options(
         scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
         profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end or None,
-        horizon_s=horizon, obstacle_polygons=obstacle_polygons,
-        parameters=parameters_with(scenario, parameter or []),
+        horizon_s=horizon, obstacle_polygons=obstacle_polygons, parameters=parameters_with(scenario, parameter or []),
         driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None),
         sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
-    rule = _rule(scenario, named, ego_type or [], ego_probability)
-    kept = _kept(None if rule else scenario, out, overwrite, record or [])
-    return _drive(scenario, rule, kept, quiet, gui_speed if gui else None)
+    rule = rule_asked(named, ego_type, ego_class, ego_region, ego_probability) or _own_rule(scenario, named)
+    return _drive(scenario, rule, _kept(scenario, rule, out, overwrite, record), quiet, gui_speed if gui else None)
 
 
-def _rule(scenario: Scenario, ids: Sequence[str], types: Sequence[str], probability: float | None) -> EgoRule | None:
-    """Return the rule if several egos are asked for, on the command line or by the equipment of vehicles; else None."""
-    from sumo_reactive.lab.egos import EgoRule
+def _own_rule(scenario: Scenario, ids: Sequence[str]) -> EgoRule | None:
+    """Return the rule of the file, or one that leaves it to the equipment of vehicles, if there is such; else None."""
+    from sumo_reactive.lab.ego_rule import EgoRule
     from sumo_reactive.sumo.config import read_config
     from sumo_reactive.sumo.vehicle_type import Equipment
 
-    if len(ids) > 1 or types or probability is not None:
-        return EgoRule(tuple(ids), tuple(types), probability or 0.0)
-    if not ids and scenario.ego is None and Equipment(read_config(scenario.config)).is_named:
-        return EgoRule()
-    return None
+    if ids or scenario.ego is not None:
+        return None
+    return scenario.egos or (EgoRule() if Equipment(read_config(scenario.config)).is_named else None)
 
 
 def _kept(
-    scenario: Scenario | None, out: Path | None, overwrite: bool, record: Sequence[RecordName]
+    scenario: Scenario, rule: EgoRule | None, out: Path | None, overwrite: bool, record: Sequence[RecordName] | None
 ) -> Callable[[], Any] | None:
-    """Return what makes the recorder of a scenario's one ego, or of several (None), if there is a folder for the record."""
+    """Return what makes the recorder of a scenario's one ego, or of several, if there is a folder for the record."""
     if out is None:
         if record:
             raise typer.BadParameter("there is no --out to keep it in", param_hint="--record")
         return None
     from sumo_reactive.lab.recorder import FleetRecorder, Recorder
 
-    asked = {"overwrite": overwrite, "every_field": RecordName.FIELD in record}
-    return partial(Recorder, out, scenario=scenario, **asked) if scenario else partial(FleetRecorder, out, **asked)
+    asked = {"overwrite": overwrite, "every_field": RecordName.FIELD in (record or ())}
+    return partial(FleetRecorder, out, **asked) if rule else partial(Recorder, out, scenario=scenario, **asked)
 
 
 def _drive(

@@ -1,54 +1,30 @@
-"""Which vehicles of a scenario are egos."""
+"""Who of those that depart is an ego."""
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
 
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.config import SumoConfig
-from sumo_reactive.sumo.session import Progress, Session, is_road_car, type_of
+from sumo_reactive.sumo.session import Progress, Session, class_and_place_of, is_road_car, type_of
 from sumo_reactive.sumo.vehicle_type import Equipment
 
 EGO = "ego"
 """Without an ego's id, a vehicle or type of this name is driven."""
 
 
-@dataclass(frozen=True)
-class EgoRule:
-    """Every vehicle of these `ids` and `types`, and a share `probability` of all road cars, is an ego.
-
-    What a vehicle or its type says of itself (`has.reactive.device`, `device.reactive.probability`) comes before the share.
-    The same vehicle of the same seed is always drawn alike. A rule without anything leaves it to the vehicles.
-    """
-
-    ids: tuple[str, ...] = ()
-    types: tuple[str, ...] = ()
-    probability: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.probability <= 1.0:
-            raise ScenarioError(f"the share of egos is {self.probability:g}, not within 0 and 1")
-        twice = [name for name in self.ids if self.ids.count(name) > 1]
-        if twice:
-            raise ScenarioError(f"ego '{twice[0]}' is named twice")
-
-    @property
-    def is_open(self) -> bool:
-        """Whether vehicles that are not named may be egos."""
-        return bool(self.types or self.probability) or not self.ids
-
-    def chooses(self, vehicle_id: str, equipment: Equipment, seed: int) -> bool:
-        """Whether a vehicle that has just departed is an ego."""
-        if vehicle_id in self.ids:
-            return True
-        if not self.is_open or not is_road_car(vehicle_id):
-            return False
-        if type_of(vehicle_id) in self.types:
-            return True
-        share = equipment.share(vehicle_id)
-        return drawn(vehicle_id, seed) < (self.probability if share is None else share)
+def chooses(rule: EgoRule, vehicle_id: str, equipment: Equipment, seed: int) -> bool:
+    """Whether a vehicle that has just departed is an ego."""
+    if vehicle_id in rule.ids:
+        return True
+    if not rule.is_open or not is_road_car(vehicle_id):
+        return False
+    if rule.names_kinds and not rule.is_of_kind(type_of(vehicle_id), *class_and_place_of(vehicle_id)):
+        return False
+    share = equipment.share(vehicle_id)
+    return drawn(vehicle_id, seed) < (rule.drawn_share if share is None else share)
 
 
 def drawn(vehicle_id: str, seed: int) -> float:

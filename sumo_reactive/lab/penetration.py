@@ -1,4 +1,4 @@
-"""A share of all road cars as egos: one run, and what became of them and of everybody in the network."""
+"""Egos that a rule chooses: one run, and what became of them and of everybody in the network."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from typing import Any
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.lab.comparison.network_effects import M_PER_KM, Outputs, network_figures
-from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.fault import Fault
 from sumo_reactive.lab.fundamental_diagram import diagram_of
+from sumo_reactive.lab.recorder import FleetRecorder
 from sumo_reactive.lab.result import FleetResult, NetworkResult, TrialResult
-from sumo_reactive.lab.simulation import run_fleet
+from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.lab.simulation import run_fleet, versions
 from sumo_reactive.lab.task import Task
 from sumo_reactive.sumo.config import given_options, option_words, read_config
 from sumo_reactive.sumo.edge_counts import EdgeCounts, Road, edges_for_cars, read_edge_times, read_passages
@@ -27,11 +29,11 @@ _PLACE = Struct("5d")
 
 
 def run_share(task: Task) -> dict[str, Any]:
-    """Run a task with a share of egos in this process; return the fields that its `Outcome` takes from the trial.
+    """Run a task with a rule for its egos in this process; return the fields that its `Outcome` takes from the trial.
 
     The run ends where the scenario ends, or at its `until_s`: at the same simulation time whatever the share.
     """
-    scenario, share, config = task.scenario, task.share or 0.0, read_config(task.scenario.config)
+    scenario, rule, config = task.scenario, task.scenario.egos or EgoRule(), read_config(task.scenario.config)
     digest = hashlib.sha256()
 
     def see(scene: Scene) -> None:
@@ -42,19 +44,31 @@ def run_share(task: Task) -> dict[str, Any]:
         outputs, roads, given = Outputs(Path(folder)), edges_for_cars(parse(config.net_file)), scenario.sumo_options
         counts = EdgeCounts(Path(folder), task.counted.interval_s, task.counted.lanes_of_cuts(roads))
         options = given_options(given) | outputs.options(config) | counts.options(config, given)
-        ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
         asked = replace(
-            scenario, ego=None, until_s=min(ends, default=None), until_end=True,
-            sumo_options=tuple(option_words(options)),
-        )  # fmt: skip
-        fleet = run_fleet(asked, EgoRule(probability=share), observer=see, may_be_nobody=True)
+            scenario, ego=None, until_s=end_of(scenario), until_end=True, sumo_options=tuple(option_words(options))
+        )
+        fleet = run_fleet(asked, rule, observer=see, may_be_nobody=not rule.ids)
         duration = fleet.until - config.begin_s
         figures = _of_egos(fleet) | network_figures(outputs, duration) | _of_cuts(task, counts, roads, duration)
         diagram = diagram_of(list(read_edge_times(counts.times)), task.counted.groups_in(roads), fleet.until)
     network = NetworkResult(
-        share=share, metrics=figures, faults=_faults(fleet.results), departure_s=config.begin_s, diagram=diagram
-    )
+        share=rule.drawn_share, metrics=figures, by_ego=_faults(fleet.results), departure_s=config.begin_s, diagram=diagram,
+        stranded=tuple((one.ego, one.ended) for one in fleet.stranded), versions=versions(),
+    )  # fmt: skip
     return {"network": network, "trajectory": digest.hexdigest()}
+
+
+def end_of(scenario: Scenario) -> float | None:
+    """Return the simulation time (s) at which a run whose egos a rule chooses ends at the latest; None: when all is over."""
+    ends = (scenario.until_s, read_config(scenario.config).end_s)
+    return min((end for end in ends if end is not None), default=None)
+
+
+def record_fleet(order: tuple[Task, Path]) -> None:
+    """Run such a task in this process, and record each ego of it in a folder in place of what is recorded there."""
+    (task, folder), rule = order, order[0].scenario.egos or EgoRule()
+    recorder = FleetRecorder(folder, overwrite=True)
+    recorder.write(run_fleet(replace(task.scenario, until_s=end_of(task.scenario)), rule, observer=recorder.see))
 
 
 def _of_cuts(task: Task, counts: EdgeCounts, roads: Mapping[str, Road], duration: float) -> dict[str, float | None]:
@@ -104,5 +118,5 @@ def contact_count(results: Sequence[TrialResult]) -> int:
     return sum(pairs.values())
 
 
-def _faults(results: Sequence[TrialResult]) -> tuple[Fault, ...]:
-    return tuple(sorted((fault for one in results for fault in one.faults), key=lambda fault: fault.time))
+def _faults(results: Sequence[TrialResult]) -> tuple[tuple[str, Fault], ...]:
+    return tuple(sorted(((one.ego, fault) for one in results for fault in one.faults), key=lambda found: found[1].time))

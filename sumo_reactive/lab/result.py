@@ -155,15 +155,19 @@ class FleetResult:
     @property
     def faulty(self) -> tuple[TrialResult, ...]:
         """Trips with a collision, a violation or a metric that failed, and those that ended before the goal."""
-        return tuple(one for one in self.results if one.violations or one.collisions or self._falls_short(one))
-
-    def _falls_short(self, result: TrialResult) -> bool:
-        return bool(result.metric_failures) or not (result.arrived or result.ego in self.on_their_way)
+        lost = {one.ego for one in self.stranded}
+        wanting = (one.violations or one.collisions or one.metric_failures or one.ego in lost for one in self.results)
+        return tuple(one for one, is_wanting in zip(self.results, wanting, strict=True) if is_wanting)
 
     @property
     def recounts(self) -> tuple[Recount, ...]:
         """What was put right in SUMO's own outputs."""
         return tuple(dict.fromkeys(one for result in self.results for one in result.recounts))
+
+    @property
+    def stranded(self) -> tuple[TrialResult, ...]:
+        """Trips that ended before the goal though the run went on."""
+        return tuple(one for one in self.results if not (one.arrived or one.ego in self.on_their_way))
 
     @property
     def exit_code(self) -> int:
@@ -173,15 +177,29 @@ class FleetResult:
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkResult:
-    """What a run with a `share` of egos came to: `metrics` of the egos and of the whole network, what became of each ego
-    that had a fault; simulation time at the begin (s); the fundamental `diagram`, a point a group of edges and interval."""
+    """What a run came to whose egos a rule chose, a `share` of those it can draw: `metrics` of the egos and of the whole
+    network; the faults `by_ego`, in order of time; egos that were `stranded`, for they ended before their goal though the
+    run went on, and why; simulation time at the begin (s); the fundamental `diagram`, a point a group of edges and interval.
+    """
 
     share: float
     metrics: Mapping[str, float | None]
-    faults: tuple[Fault, ...]
+    by_ego: tuple[tuple[str, Fault], ...]
     departure_s: float
     ego: str = ""
+    stranded: tuple[tuple[str, str], ...] = ()
     diagram: tuple[DiagramPoint, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """What the egos did to others or against rules."""
+        return tuple(fault for _, fault in self.by_ego)
+
+    @property
+    def is_clean(self) -> bool:
+        """Whether no ego is to blame for anything."""
+        return not (self.metrics["egos_collisions"] or self.metrics["egos_violations"] or self.stranded)
 
     @property
     def verdict(self) -> str:

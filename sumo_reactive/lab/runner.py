@@ -66,7 +66,7 @@ class Runner:
 
     def run(self, task: Task, wall_limit_s: float) -> Outcome:
         """Run a task; whatever happens to it is told by the outcome. The limit (s) begins when the process is ready."""
-        ending, value, wall_s = self.call(_RUN if task.share is None else _RUN_SHARE, task, wall_limit_s)
+        ending, value, wall_s = self.call(_RUN if task.scenario.egos is None else _RUN_SHARE, task, wall_limit_s)
         if ending is not Ending.DONE:
             return Outcome(task=task, ending=ending, reason=value, wall_s=wall_s)
         return Outcome(task=task, ending=ending, **value, wall_s=wall_s)

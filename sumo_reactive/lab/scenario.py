@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -19,7 +19,8 @@ from sumo_reactive.lab.drivers.choice import (
     chosen_driver,
     driver_problem,
 )
-from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.ego_rule import EgoRule, region_of, several
+from sumo_reactive.lab.metric_names import METRICS, NETWORK
 from sumo_reactive.lab.own_metrics import MetricSource, merged, metric_source
 from sumo_reactive.lab.schema import TomlTable, nearest, problem_at, problem_in, read_toml
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS, given_options, read_config, seconds_of
@@ -63,7 +64,8 @@ DEFAULT_SEED = 42
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """One run: SUMO configuration `config`, vehicle `ego` (None: to be chosen), as named by the file `source`.
+    """One run: SUMO configuration `config`, vehicle `ego` (None: to be chosen), as named by the file `source`; or the
+    vehicles that the rule `egos` chooses, all at once.
 
     `step_length_s` None: the scenario's own or 0.1 s, whichever is finer. `until_s` is the simulation time at which the
     run ends at the latest; it ends `horizon_s` after the ego's departure at the latest, too. `until_end` plays the scenario
@@ -86,6 +88,7 @@ class Scenario:
     horizon_s: float | None = None
     driver: DriverChoice = REACTIVE
     metrics: tuple[MetricSource, ...] = ()
+    egos: EgoRule | None = None
 
     def end_after(self, departure: float) -> float | None:
         """Return the simulation time (s) at which the run ends at the latest if the ego departs at `departure`."""
@@ -104,11 +107,18 @@ class Scenario:
 
 
 class ScenarioFile(NamedTuple):
-    """What a scenario `.toml` says: the scenario with the first of its `seeds`, and what is expected of each."""
+    """What a scenario `.toml` says: the scenario with the first of its `seeds` and of its `rules` for several egos (empty:
+    there is one), and what is expected of each."""
 
     scenario: Scenario
     seeds: tuple[int, ...]
     expectation: Expectation
+    rules: tuple[EgoRule, ...] = ()
+
+    @property
+    def variants(self) -> tuple[EgoRule | None, ...]:
+        """The rules; None in place of them for the one ego."""
+        return self.rules or (None,)
 
 
 Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
@@ -123,6 +133,48 @@ def _known_driver(name: str) -> str:
 
 DriverName = Annotated[str, AfterValidator(_known_driver)]
 """A driver as files may name it."""
+
+
+_Share = Annotated[float, Field(ge=0.0, le=1.0)]
+_Metres = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class KindKeys(TomlTable):
+    """Which road cars are egos at once: a share of all, or of some kinds of them."""
+
+    share: list[_Share] | None = Field(default=None, min_length=1)
+    """Shares that are egos at once, drawn by id and seed, a run each; else all, if kinds or a region are named."""
+    types: list[str] = Field(default_factory=list, min_length=1)
+    """Only vehicles of these types."""
+    classes: list[str] = Field(default_factory=list, min_length=1)
+    """Only vehicles of these SUMO vehicle classes."""
+    region: list[_Metres] | None = Field(default=None, min_length=4, max_length=4)
+    """Only vehicles that depart within a rectangle: x and y of a corner and of the opposite one, m."""
+
+    @property
+    def first_kind(self) -> str:
+        """The first key of these that the file names; empty: none."""
+        return next((name for name in KindKeys.model_fields if name in self.model_fields_set), "")
+
+    @property
+    def rules(self) -> tuple[EgoRule, ...]:
+        """A rule for each share; none if the file names neither a share nor a kind."""
+        kinds = tuple(self.types), tuple(self.classes), region_of(self.region) if self.region else None
+        shares: list[float | None] = [*self.share] if self.share else [None]
+        return tuple(EgoRule((), *kinds, share) for share in shares) if self.first_kind else ()
+
+
+class RuleKeys(KindKeys):
+    """The table `[egos]`: several egos at once, in place of the one of `[scenario]`."""
+
+    names: list[str] = Field(default_factory=list, min_length=1)
+    """Ids of vehicles that are egos besides."""
+
+    @property
+    def rules(self) -> tuple[EgoRule, ...]:
+        """A rule for each share; none if the file names nobody."""
+        ids = tuple(self.names)
+        return tuple(replace(rule, ids=ids) for rule in super().rules) or ((EgoRule(ids),) if ids else ())
 
 
 class ScenarioKeys(TomlTable):
@@ -194,6 +246,7 @@ def named_once(names: Iterable[str], found: Iterable[tuple[str, NamedValue]]) ->
 
 class _File(TomlTable):
     scenario: ScenarioKeys
+    egos: RuleKeys = Field(default_factory=RuleKeys)
     expect: Expectation = Field(default_factory=Expectation)
 
 
@@ -215,12 +268,31 @@ def load_scenario_file(path: Path) -> ScenarioFile:
     driver = chosen_driver(keys["driver"], keys.pop("driver_options"), path.parent.absolute())
     keys |= {"config": config, "source": path, "seed": seeds[0], "parameters": Parameters.of(keys["parameters"])}
     keys["metrics"] = own_metrics_of(path, ("scenario", "metrics"), dict(enumerate(keys["metrics"])))
-    known = (*METRICS, *(source.name for source in keys["metrics"]))
+    rules = _rules(path, file)
+    known = tuple(NETWORK) if rules else (*METRICS, *(source.name for source in keys["metrics"]))
     for name in file.expect.metrics:
         if name not in known:
-            raise problem_in(path, ("expect", "metrics", name), f"unknown metric '{name}'{nearest(name, known)}")
-    scenario = Scenario(**keys | {"driver": driver})
-    return ScenarioFile(scenario, seeds, file.expect)
+            what = "metric of several egos" if rules else "metric"
+            raise problem_in(path, ("expect", "metrics", name), f"unknown {what} '{name}'{nearest(name, known)}")
+    scenario = Scenario(**keys | {"driver": driver, "egos": next(iter(rules), None)})
+    return ScenarioFile(scenario, seeds, file.expect, rules)
+
+
+def _rules(path: Path, file: _File) -> tuple[EgoRule, ...]:
+    """Return the rules for several egos, one for each share; raise ScenarioError for what cannot be together."""
+    try:
+        rules = file.egos.rules
+    except ScenarioError as error:
+        raise problem_in(path, ("egos", "names"), str(error)) from error
+    if "egos" in file.model_fields_set and not rules:
+        raise problem_in(path, ("egos",), "names neither a share nor a kind nor anybody")
+    if rules and several(rules[0]) is None:
+        raise problem_in(path, ("egos", "names"), "names one ego alone, which is the 'ego' of [scenario]")
+    if rules and file.scenario.ego is not None:
+        raise problem_in(path, ("scenario", "ego"), "there are several under [egos]")
+    if rules and not file.expect.arrived:
+        raise problem_in(path, ("expect", "arrived"), "only one ego can be expected not to arrive")
+    return rules
 
 
 def own_metrics_of(path: Path, keys: Sequence[str | int], asked: Mapping[int, str]) -> tuple[MetricSource, ...]:

@@ -24,7 +24,8 @@ from sumo_reactive.lab.columns import digest_of
 from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.drivers.loading import controller_parts, is_of_parts, maker_of
 from sumo_reactive.lab.drivers.users_trip import UsersTrip
-from sumo_reactive.lab.egos import EgoRule, find_ego
+from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.egos import chooses, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.recorder import Recorder, reasons_in
 from sumo_reactive.lab.result import FleetResult, TrialResult
@@ -198,7 +199,7 @@ class Simulation:
         """Take over who has departed and is chosen; who cannot be driven and is not named stays with SUMO's own driver."""
         assert self._equipment is not None
         for vehicle_id in () if self._session.is_past_end() else self._session.departed:
-            if not rule.chooses(vehicle_id, self._equipment, self._scenario.seed):
+            if not chooses(rule, vehicle_id, self._equipment, self._scenario.seed):
                 continue
             is_named = vehicle_id in rule.ids
             try:
@@ -274,12 +275,12 @@ def run_sumo_driver(
                 start, scenario, lambda ego: WatchedTrip(session, ego, net_file, stuck_s), observer, progress
             )
             simulation.run_one()
-        return replace(as_told(simulation.results[0], trips), command=_command_of(scenario, simulation))
+        return replace(next(as_told(simulation.results, trips)), command=_command_of(scenario, simulation))
 
 
 def _command_of(scenario: Scenario, simulation: Simulation) -> str:
     """Return what drives the one ego of a simulation again."""
-    return replay_command(Task(replace(scenario, ego=simulation.results[0].ego)))
+    return replay_command(Task(replace(scenario, ego=simulation.results[0].ego, egos=None)))
 
 
 def run_fleet(
@@ -292,28 +293,35 @@ def run_fleet(
     `run_trial` raises; a vehicle that is not named and cannot be taken over is no error, nobody at all is one unless there
     `may_be_nobody`.
     """
+    began, is_watched = clock.perf_counter(), scenario.driver == SUMO
+    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
+        options, trips = trip_output(scenario.sumo_options, Path(folder)) if is_watched else ([], Path())
+        with started(scenario, options, has_window=has_window) as start:
+            simulation = Simulation(start, scenario, _fleet_taker(scenario, start), observer, progress, rule)
+            simulation.run()
+            files = trip_files()
+            if not may_be_nobody:
+                _require_egos(simulation, rule, scenario)
+        simulation.results.sort(key=lambda one: one.departure_s)
+        results = as_told(simulation.results, trips) if is_watched else _recounted(files, simulation)
+        return FleetResult(
+            results=tuple(results),
+            refused=tuple(simulation.refused),
+            on_their_way=frozenset(simulation.cut_short),
+            until=simulation.ended,
+            step_us=1e6 * simulation.busy_s / max(simulation.ego_steps, 1),
+            wall_s=clock.perf_counter() - began,
+            overrides=(*start.overrides, *passed_end(start.config, simulation.ended, scenario.sumo_options)),
+        )
+
+
+def _fleet_taker(scenario: Scenario, start: Started) -> Callable[[str], AnyTrip]:
+    """Return what begins the trip of each ego of several."""
+    session, net_file = start.session, start.config.net_file
     if scenario.driver == SUMO:
-        raise ScenarioError(f"{scenario.source}: several egos with SUMO's own driver are what SUMO runs without any")
-    began, taken_over = clock.perf_counter(), taking_over(scenario)
-    with started(scenario, has_window=has_window) as start:
-        worlds, sensor = Worlds(read_net(start.config.net_file)), Sensor(scenario.obstacle_polygons)
-        simulation = Simulation(
-            start, scenario, lambda ego: taken_over(start.session, ego, worlds, sensor), observer, progress, rule,
-        )  # fmt: skip
-        simulation.run()
-        files = trip_files()
-        if not may_be_nobody:
-            _require_egos(simulation, rule, scenario)
-    simulation.results.sort(key=lambda one: one.departure_s)
-    return FleetResult(
-        results=tuple(_recounted(files, simulation)),
-        refused=tuple(simulation.refused),
-        on_their_way=frozenset(simulation.cut_short),
-        until=simulation.ended,
-        step_us=1e6 * simulation.busy_s / max(simulation.ego_steps, 1),
-        wall_s=clock.perf_counter() - began,
-        overrides=(*start.overrides, *passed_end(start.config, simulation.ended, scenario.sumo_options)),
-    )
+        return lambda ego: WatchedTrip(session, ego, net_file, scenario.parameters.stuck_s)
+    taken_over, worlds, sensor = taking_over(scenario), Worlds(read_net(net_file)), Sensor(scenario.obstacle_polygons)
+    return lambda ego: taken_over(session, ego, worlds, sensor)
 
 
 def versions() -> dict[str, str]:

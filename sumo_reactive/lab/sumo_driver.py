@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.sumo.config import given_options, option_words
 from sumo_reactive.sumo.net_reader import NetFile, read_net
 from sumo_reactive.sumo.observed_vehicle import ObservedVehicle
-from sumo_reactive.sumo.outputs import AS_READ, trip_of
+from sumo_reactive.sumo.outputs import AS_READ, TripInfo, read_trips
 from sumo_reactive.sumo.session import Session
 
 PROFILE = "sumo"
@@ -97,11 +97,16 @@ def trip_output(sumo_options: Sequence[str], folder: Path) -> tuple[list[str], P
     return option_words({name: value for name, value in wanted.items() if name not in given}), path
 
 
-def as_told(result: TrialResult, trips: Path) -> TrialResult:
-    """Return a result with the ego's departure, arrival, time loss and way as SUMO's `tripinfo` tells them."""
-    trip = trip_of(trips, result.ego)
-    if trip is None:
-        raise SimulationError(f"{trips}: SUMO tells no trip of ego '{result.ego}'")
+def as_told(results: Iterable[TrialResult], trips: Path) -> Iterator[TrialResult]:
+    """Yield results with departure, arrival, time loss and way of the egos as SUMO's `tripinfo` tells them."""
+    told = {trip.vehicle_id: trip for trip in read_trips(trips)}
+    for result in results:
+        if result.ego not in told:
+            raise SimulationError(f"{trips}: SUMO tells no trip of ego '{result.ego}'")
+        yield _as_told(result, told[result.ego])
+
+
+def _as_told(result: TrialResult, trip: TripInfo) -> TrialResult:
     return replace(
         result,
         departure_s=result.departure_s if trip.departure is None else trip.departure,

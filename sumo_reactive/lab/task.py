@@ -13,6 +13,7 @@ from typing import Any
 from sumo_reactive.driver.parameters import Delays, Profile
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.drivers.choice import REACTIVE, DriverChoice, chosen_driver
+from sumo_reactive.lab.ego_rule import EgoRule, region_of, region_text, several
 from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
 from sumo_reactive.lab.result import NetworkResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
@@ -32,16 +33,16 @@ _FIELDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
 }  # fmt: skip
 """Options that stand for a field of a scenario: its name, and what reads the option's text."""
 
-_MORE = "--parameter", "--driver", "--driver-option", "--ego-probability"
+_OF_RULE = "--ego-type", "--ego-class", "--ego-region", "--ego-probability"
+_MORE = "--parameter", "--driver", "--driver-option", *_OF_RULE
 
 
 @dataclass(frozen=True)
 class Task:
-    """One trial: a scenario with one ego, or with a `share` of all road cars as egos, drawn by id and seed, and with what is
+    """One trial: a scenario with one ego, or with those that its rule chooses, drawn by id and seed, and then with what is
     `counted` of the network."""
 
     scenario: Scenario
-    share: float | None = None
     counted: CountedEdges = EVERY_CLASS
 
 
@@ -64,7 +65,7 @@ class Outcome:
     `reasons` what a driver of the user's gave from when on (s).
 
     `trajectory` is a digest of every step but for its wall-clock time: equal trajectories, equal digests. `wall_s` counts
-    the trial alone. Where a share of all cars were egos, `network` stands in place of a `result`.
+    the trial alone. Where a rule chose the egos, `network` stands in place of a `result`.
     """
 
     task: Task
@@ -86,8 +87,7 @@ class Outcome:
 def replay_command(task: Task) -> str:
     """Return the command line that repeats a task."""
     scenario = task.scenario
-    share = [] if task.share is None else ["--ego-probability", _digits(task.share)]
-    words = [*_RUN, str(scenario.source), *share, *_options(scenario)]
+    words = [*_RUN, str(scenario.source), *rule_words(scenario.egos), *_options(scenario)]
     if scenario.sumo_options:
         words += ["--", *scenario.sumo_options]
     return shlex.join(words)
@@ -106,14 +106,32 @@ def task_of(command: str) -> Task:
         given = _given(words[:end])
         fields = {key: read(given[option][-1]) for option, (key, read) in _FIELDS.items() if option in given}
         varied = {name: float(value) for name, value in map(_halves, given.get("--parameter", ()))}
-        share = float(given["--ego-probability"][-1]) if "--ego-probability" in given else None
+        rule = several(_rule_in(given))
         options = {name: json.loads(value) for name, value in map(_halves, given.get("--driver-option", ()))}
     except ValueError as error:
         raise ScenarioError(f"not the command of a run: {command}") from error
     scenario = load_scenario(Path(source))
     fields["driver"] = chosen_driver(given["--driver"][-1], options, Path.cwd()) if "--driver" in given else REACTIVE
     parameters, sumo_options = scenario.parameters.with_values(varied), tuple(words[end + 1 :])
-    return Task(replace(scenario, parameters=parameters, sumo_options=sumo_options, **fields), share)
+    fields |= {"egos": rule} | ({"ego": None} if rule else {})
+    return Task(replace(scenario, parameters=parameters, sumo_options=sumo_options, **fields))
+
+
+def _rule_in(given: Mapping[str, Sequence[str]]) -> EgoRule:
+    """Return the rule that options say; raise ValueError for what is no number."""
+    types, classes, region, share = (given.get(option, ()) for option in _OF_RULE)
+    corners = region_of([float(one) for one in region[-1].split(",")]) if region else None
+    return EgoRule(tuple(given.get("--ego", ())), tuple(types), tuple(classes), corners, float(share[-1]) if share else None)
+
+
+def rule_words(rule: EgoRule | None) -> list[str]:
+    """Return the options of the command line that say a rule."""
+    if rule is None:
+        return []
+    corners = [] if rule.region is None else [region_text(rule.region)]
+    share = [] if rule.share is None else [_digits(rule.share)]
+    named = ("--ego", rule.ids), *zip(_OF_RULE, (rule.types, rule.classes, corners, share), strict=True)
+    return [word for option, values in named for value in values for word in (option, value)]
 
 
 def _given(words: Sequence[str]) -> dict[str, list[str]]:

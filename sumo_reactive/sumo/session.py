@@ -145,6 +145,12 @@ def type_of(vehicle_id: str) -> str:
     return str(libsumo.vehicle.getTypeID(vehicle_id))
 
 
+def class_and_place_of(vehicle_id: str) -> tuple[str, tuple[float, float]]:
+    """Return a vehicle's class, and where its front is: x, y, m."""
+    x, y = libsumo.vehicle.getPosition(vehicle_id)
+    return str(libsumo.vehicle.getVehicleClass(vehicle_id)), (x, y)
+
+
 def is_road_car(vehicle_id: str) -> bool:
     """Whether a vehicle is driven like a car."""
     return libsumo.vehicle.getVehicleClass(vehicle_id) not in NOT_ROAD_CARS

@@ -69,3 +69,26 @@ def test_what_came_to_no_end_is_not_recorded_and_what_cannot_be_is_told(tmp_path
 def test_a_folder_that_cannot_be_is_told_before_anything_runs():
     answer = sumo_reactive("check", "scenarios", "--out", "pyproject.toml", cwd=ROOT)
     assert answer.returncode == 2 and "a file, not a folder" in answer.stderr and not answer.stdout
+
+
+CROSSING = ROOT / "networks" / "right_before_left" / "right_before_left.sumocfg"
+
+
+def test_several_egos_are_a_case_for_each_share_and_what_is_not_met_is_recorded(tmp_path):
+    said = f'[scenario]\nconfig = "{CROSSING}"\nseed = 3\nuntil_s = 30\n[egos]\nshare = [0.0, 0.5]\n'
+    file = tmp_path / "fleet.toml"
+    file.write_text(f"{said}[expect.metrics]\negos = {{ max = 0 }}\n", encoding="utf-8")
+    answer = sumo_reactive("check", file, "--out", "kept", "--junit", "v.xml", cwd=tmp_path)
+    assert answer.returncode == 1 and "1 of 2 met" in answer.stdout, answer.stdout + answer.stderr
+    first, second = answer.stdout.splitlines()[:2]
+    assert first.startswith("met") and "seed 3 share 0 " in first and "0 egos among" in first
+    assert second.startswith("FAILED") and "expected at most 0" in second
+    assert f"replay: sumo-reactive run {file} --seed 3 --ego-probability 0.5" in answer.stdout
+    folder = tmp_path / "kept" / "fleet_seed_3_share_0.5"
+    egos = json.loads((folder / "fleet.json").read_text(encoding="utf-8"))["egos"]
+    assert egos and all((folder / one["folder"] / "summary.json").is_file() for one in egos)
+    assert "<html" in (folder / "report.html").read_text(encoding="utf-8")
+    (suite,) = JUnitXml.fromfile(str(tmp_path / "v.xml"))
+    assert [case.name for case in suite] == ["seed 3 share 0", "seed 3 share 0.5"]
+    again = sumo_reactive("run", file, "--seed", 3, "--ego-probability", 0.5, "--quiet", cwd=tmp_path)
+    assert again.stdout.startswith(f"{len(egos)} egos until 30.0 s")

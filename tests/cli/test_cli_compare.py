@@ -13,6 +13,8 @@ import pytest
 import sumo
 from helpers.programs import ROOT, started_anew, sumo_reactive
 
+from sumo_reactive.lab.metric_names import NETWORK
+
 FOUR_WAY = ROOT / "scenarios" / "four_way_priority.toml"
 SUMO = Path(sumo.SUMO_HOME) / "bin" / "sumo"
 
@@ -46,6 +48,22 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
     assert "2 of 2 pairs driven by both." in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
+def test_several_egos_are_compared_with_the_same_vehicles_in_sumos_hands(tmp_path):
+    crossing = ROOT / "networks" / "right_before_left" / "right_before_left.sumocfg"
+    asked = ("--ego-probability", 0.5, "--until", 30, "--seed", "3-4", "--out", "out")
+    answer = sumo_reactive("compare", crossing, *asked, cwd=tmp_path)
+    assert answer.returncode == 0 and answer.stdout.endswith("2 of 2 pairs driven by both\n"), answer.stdout + answer.stderr
+    data = json.loads((tmp_path / "out" / "comparison.json").read_text(encoding="utf-8"))
+    assert data["horizon_s"] is None and set(data["pairs"][0]["metrics"]) == set(NETWORK)
+    for pair in data["pairs"]:
+        assert pair["ego"] == "share 0.5" and "--ego-probability 0.5" in pair["reactive"]["command"]
+        theirs, ours = (pair[driver]["figures"] for driver in data["drivers"])
+        assert theirs["egos"] == ours["egos"] > 0 and theirs["network_vehicles"] == ours["network_vehicles"]
+    assert sumo_reactive("report", tmp_path / "out").returncode == 0
+    table = sumo_reactive("table", tmp_path / "out", "--format", "csv", "--metric", "network_mean_speed_m_s")
+    assert (table.returncode, len(table.stdout.splitlines())) == (0, 2), table.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "place"),
     [
@@ -55,6 +73,9 @@ def test_a_comparison_prints_a_table_and_its_baseline_is_plain_sumos_tripinfo(tm
         ((FOUR_WAY, "--seed", "x"), "'--seed': 'x' is neither a whole number nor a range"),
         ((FOUR_WAY, "--seed", "3-1"), "'--seed': '3-1' is empty"),
         ((FOUR_WAY, "--horizon", "0"), "--horizon"),
+        ((FOUR_WAY, "--ego-region", "1,2,3"), "a region is a rectangle by two corners"),
+        ((FOUR_WAY, "--ego-region", "1,2,x,4"), "'1,2,x,4' is not four numbers"),
+        ((FOUR_WAY, "--ego", "a", "--ego-type", "car"), "--ego: one trip each"),
         ((FOUR_WAY, "--jobs", "0"), "--jobs"),
         ((FOUR_WAY, "--out", FOUR_WAY), "a file, not a folder"),
         ((FOUR_WAY, "--", "--tripinfo-output", "x"), "SUMO option 'tripinfo-output' cannot be given"),

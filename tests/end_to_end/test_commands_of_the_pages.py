@@ -90,7 +90,7 @@ def answer_to(words, place):
         done = subprocess.run(command, cwd=place, capture_output=True, text=True, timeout=280, check=False)
         return done.returncode, done.stdout + done.stderr
     assert words[0] == "sumo-reactive", words
-    if few[0] == "compare" and "--ego" not in few:
+    if few[0] == "compare" and "--ego" not in few and "--ego-probability" not in few:
         few += ["--ego", "veh_12"]
     answer = sumo_reactive(*few, cwd=place)
     return answer.returncode, answer.stdout + answer.stderr

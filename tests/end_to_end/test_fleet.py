@@ -10,7 +10,9 @@ from helpers.programs import ROOT, sumo_reactive
 
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.drivers.choice import SUMO
+from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.result import FleetResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
 from sumo_reactive.lab.simulation import run_fleet, run_trial
@@ -42,13 +44,13 @@ def test_an_ego_alone_drives_as_it_does_without_a_fleet():
 
 
 def test_egos_see_each_other_as_ordinary_traffic():
-    _, scenes = seen(EgoRule(probability=1.0), until_s=40.0)
+    _, scenes = seen(EgoRule(share=1.0), until_s=40.0)
     others = {user.id for scene in scenes["ego"] for user in scene.users}
     assert others & set(scenes) - {"ego"}
 
 
 def test_egos_are_all_decided_from_the_same_moment():
-    _, scenes = seen(EgoRule(probability=1.0), until_s=30.0)
+    _, scenes = seen(EgoRule(share=1.0), until_s=30.0)
     where = {(ego, round(s.step.time, 3)): (s.step.x, s.step.y) for ego, found in scenes.items() for s in found}
     met = [
         (user, where[user.id, round(scene.step.time, 3)])
@@ -66,9 +68,31 @@ def test_the_end_of_a_run_is_no_fault_of_those_on_their_way():
 
 
 def test_the_same_share_and_seed_choose_and_drive_the_same_egos_again():
-    one, two = (seen(EgoRule(probability=0.5), until_s=60.0)[0] for _ in range(2))
+    one, two = (seen(EgoRule(share=0.5), until_s=60.0)[0] for _ in range(2))
     assert [(r.ego, r.metrics) for r in one.results] == [(r.ego, r.metrics) for r in two.results]
     assert one.results
+
+
+def test_the_same_vehicles_are_judged_alike_in_the_hands_of_sumos_own_driver():
+    rule = EgoRule(share=0.5)
+    ours, _ = seen(rule, until_s=60.0)
+    theirs, scenes = seen(rule, until_s=60.0, driver=SUMO)
+    assert {one.ego for one in ours.results} == {one.ego for one in theirs.results} == set(scenes)
+    assert all(one.profile == "sumo" and one.distance_m > 0.0 for one in theirs.results)
+    assert set(ours.results[0].metrics) <= {*theirs.results[0].metrics, *METRICS}
+    assert any(one.figures["min_time_to_collision_s"] is not None for one in theirs.results)
+
+
+def test_egos_are_those_of_a_class_and_region_where_they_depart():
+    everybody, scenes = seen(EgoRule(share=1.0), until_s=40.0)
+    first = {ego: (found[0].step.x, found[0].step.y) for ego, found in scenes.items()}
+    middle = sorted(x for x, _ in first.values())[len(first) // 2]
+    west, _ = seen(EgoRule(region=(-1e4, -1e4, middle, 1e4)), until_s=40.0)
+    chosen = {one.ego for one in west.results}
+    assert set() < chosen < {one.ego for one in everybody.results}
+    assert all(first[ego][0] < middle + 20.0 for ego in chosen)
+    with pytest.raises(ScenarioError, match="no vehicle is chosen"):
+        run_fleet(scenario(until_s=40.0), EgoRule(classes=("truck",)))
 
 
 def test_an_ego_that_never_departs_is_an_error():

@@ -9,6 +9,7 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.lab.batch.store import Store
 from sumo_reactive.lab.batch.trials import Trial
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.fundamental_diagram import DiagramPoint
 from sumo_reactive.lab.result import NetworkResult
@@ -64,7 +65,7 @@ def made_share_store(path, seeds=4):
     kept = []
     for share in (0.0, 0.2, 0.6):
         for seed in range(1, seeds + 1):
-            task = Task(replace(load_scenario(FOUR_WAY), seed=seed), share)
+            task = Task(replace(load_scenario(FOUR_WAY), seed=seed, egos=EgoRule(share=share)))
             one = Trial("town.toml", {"share": share}, {}, task)
             metrics = {
                 "egos": 100.0 * share, "network_mean_time_loss_s": 20.0 - 5.0 * share + 0.1 * seed,
@@ -75,7 +76,7 @@ def made_share_store(path, seeds=4):
                              round(10.0 * (1.0 + share), 4))
                 for begin in (0.0, 60.0)
             )  # fmt: skip
-            came = NetworkResult(share=share, metrics=metrics, faults=(), departure_s=0.0, diagram=points)
+            came = NetworkResult(share=share, metrics=metrics, by_ego=(), departure_s=0.0, diagram=points)
             kept.append((one, came))
     with Store(path) as store:
         store.plan([one for one, _ in kept], ["egos", "network_mean_time_loss_s"])

@@ -4,13 +4,26 @@ import pytest
 from helpers.results import result
 
 from sumo_reactive.driver.nouns.event import EventKind
-from sumo_reactive.lab.check import unmet
+from sumo_reactive.lab.check import unmet as reasons_of
+from sumo_reactive.lab.check import unmet_by_several
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.metric_names import METRICS
+from sumo_reactive.lab.result import NetworkResult
 from sumo_reactive.lab.scenario import Expectation, Limit
 
 CRASH = Fault(12.34, COLLISION, "veh_12", "a_0")
 RED = Fault(8.0, "red light run", "", "a_0")
+
+
+def unmet(expectation, result):
+    """What was not met by one ego."""
+    return tuple(reasons_of(expectation, result))
+
+
+def fleet(faults=(), collisions=0, violations=0, stranded=()):
+    """What several egos came to."""
+    metrics = {"egos_collisions": collisions, "egos_violations": violations, "network_mean_speed_m_s": 7.5}
+    return NetworkResult(share=0.3, metrics=metrics, by_ego=faults, departure_s=0.0, stranded=stranded)
 
 
 def test_a_clean_arrival_is_what_is_expected_of_everybody():
@@ -55,3 +68,21 @@ def test_a_metric_without_a_value_is_beyond_every_measure():
 
 def test_every_kind_of_event_has_its_metric():
     assert {f"events_{kind.name.lower()}" for kind in EventKind} <= set(METRICS)
+
+
+def test_of_several_egos_each_that_is_to_blame_is_named_and_the_rest_counted():
+    assert tuple(unmet_by_several(Expectation(), fleet())) == ()
+    touched = tuple((f"veh_{k}", CRASH) for k in range(5))
+    lost = (("veh_7", "stood still for 600 s"),)
+    found = tuple(unmet_by_several(Expectation(), fleet((*touched, ("veh_9", RED)), 5, 1, lost)))
+    named = ", ".join(f"veh_{k}: collision with veh_12 at 12.3 s" for k in range(3))
+    assert found == (
+        "veh_7 did not arrive (stood still for 600 s)", f"5 collisions, expected at most 0: {named}, … and 2 more",
+        "1 violations, expected at most 0: veh_9: red light run at 8.0 s",
+    )  # fmt: skip
+    assert tuple(unmet_by_several(Expectation(collisions=5, violations=1), fleet(touched, 5, 1))) == ()
+
+
+def test_limits_of_several_egos_are_those_of_the_network():
+    slow = Expectation(metrics={"network_mean_speed_m_s": Limit(min=8.0)})
+    assert tuple(unmet_by_several(slow, fleet())) == ("network_mean_speed_m_s is 7.5, expected at least 8",)

@@ -80,6 +80,8 @@ def test_a_cut_may_be_named_among_the_metrics(tmp_path):
         (HEAD + 'drivers = ["sumo"]\n[egos]\nshare = [0.1]\n', 3, "who is no ego has SUMO's own driver"),
         (HEAD + "horizon_s = 9.0\n[egos]\nshare = [0.1]\n", 3, "all runs end at one time: 'until_s'"),
         (HEAD + "[egos]\nshare = [0.1]\ndrawn = 3\n", 4, "there are 'drawn' already"),
+        (HEAD + '[egos]\ntypes = ["bus"]\ndrawn = 3\n', 4, "key 'egos.types': there are 'drawn' already"),
+        (HEAD + "[egos]\nregion = [0.0, 1.0]\n", 4, "key 'egos.region'"),
         (HEAD + 'metrics = ["duration_s"]\n[egos]\nshare = [0.1]\n', 3, "'duration_s' is a metric of a trip"),
         (HEAD + 'metrics = ["network_arrived"]\n', 3, "'network_arrived' is a metric of a network"),
         (HEAD + "[network]\ninterval_s = 9.0\n", 3, "[egos] share = […]"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import SimulationError
-from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of, means_over_both
+from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of, means_over_both, network_figures
 from sumo_reactive.sumo.config import read_config
 from sumo_reactive.sumo.outputs import read_trips
 
@@ -112,3 +112,11 @@ def test_outputs_that_the_scenario_names_go_nowhere(tmp_path):
     options = Outputs(tmp_path).options(read_config(config))
     assert options["summary-output"] == "NUL"
     assert options["tripinfo-output"] == str(tmp_path / "trips.xml")
+
+
+def test_a_contact_with_a_stand_in_is_none_of_the_network(tmp_path):
+    told = "".join(
+        f'<collision time="105.00" type="frontback" lane="a_0" pos="1.00" collider="{one}" victim="{other}"/>'
+        for one, other in (("a", "b"), ("ego", "reactive.ghost.ego.1"), ("reactive.ghost.ego.1", "a"))
+    )
+    assert network_figures(written(tmp_path, EGO, contacts=told), 600.0)["network_collisions"] == 1

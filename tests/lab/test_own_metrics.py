@@ -132,7 +132,7 @@ def test_a_failed_metric_is_a_verdict_and_no_fault_of_the_driver():
     failed = result(metric_failures=(MetricFailure("mine", "KeyError: 'a' (mine.py:3)"),))
     assert failed.exit_code == 1
     assert failed.verdict == "arrived without a violation; metric 'mine' failed: KeyError: 'a' (mine.py:3)"
-    assert unmet(Expectation(), failed) == ("metric 'mine' failed: KeyError: 'a' (mine.py:3)",)
+    assert tuple(unmet(Expectation(), failed)) == ("metric 'mine' failed: KeyError: 'a' (mine.py:3)",)
     assert summary_of(failed)["metric_failures"] == [{"name": "mine", "why": "KeyError: 'a' (mine.py:3)", "traceback": ()}]
 
 

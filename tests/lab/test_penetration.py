@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.lab import penetration
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.fault import COLLISION, Fault
 from sumo_reactive.lab.fundamental_diagram import EVERY_CLASS, CountedEdges
 from sumo_reactive.lab.metric_names import NETWORK
@@ -20,8 +21,8 @@ UNTIL_S = 40.0
 
 def shared(share, seed=3, counted=EVERY_CLASS, **others):
     """What a run with a share of egos comes to."""
-    scenario = replace(load_scenario(SCENARIO), seed=seed, until_s=UNTIL_S, **others)
-    return run_share(Task(scenario, share, counted))
+    scenario = replace(load_scenario(SCENARIO), seed=seed, until_s=UNTIL_S, egos=EgoRule(share=share), **others)
+    return run_share(Task(scenario, counted))
 
 
 @pytest.fixture(scope="module")

@@ -1,11 +1,13 @@
 """Scenario files: what they give, and the one line that a bad one gets."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from sumo_reactive.driver.parameters import Parameters, Profile
 from sumo_reactive.errors import ScenarioError
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.scenario import Expectation, Limit, load_scenario, load_scenario_file
 
 ROOT = Path(__file__).parents[2]
@@ -53,7 +55,7 @@ violations = 1
 duration_s = {{ max = 60 }}
 min_time_to_collision_s = {{ min = 0.5, max = 9 }}
 """
-    scenario, seeds, expectation = load_scenario_file(_file(tmp_path, text))
+    scenario, seeds, expectation, _ = load_scenario_file(_file(tmp_path, text))
     assert (scenario.seed, seeds) == (3, (3, 1, 2))
     assert scenario.parameters == Parameters(stuck_s=60.0)
     limits = {"duration_s": Limit(max=60.0), "min_time_to_collision_s": Limit(min=0.5, max=9.0)}
@@ -106,6 +108,19 @@ def test_a_configuration_is_a_scenario_with_its_own_seed(tmp_path):
         (f'{HEAD}[expect.metrics]\nduration_s = 3\n', ":4: key 'expect.metrics.duration_s'"),
         (f'{HEAD}[expect.metrics]\nduration_s = {{}}\n', ":4: key 'expect.metrics.duration_s': needs min, max or both"),
         (f'{HEAD}[expect.metrics]\nduration_s = {{ min = 3, max = 2 }}\n', "min 3 is above max 2"),
+        (f"{HEAD}[egos]\n", ":3: key 'egos': names neither a share nor a kind nor anybody"),
+        (f'{HEAD}[egos]\nnames = ["a"]\n', ":4: key 'egos.names': names one ego alone"),
+        (f'{HEAD}ego = "a"\n[egos]\nshare = [0.5]\n', ":3: key 'scenario.ego': there are several under [egos]"),
+        (f"{HEAD}[egos]\nshare = [0.5]\n[expect]\narrived = false\n", ":6: key 'expect.arrived': only one ego"),
+        (f"{HEAD}[egos]\nshare = [2.0]\n", ":4: key 'egos.share.0'"),
+        (f"{HEAD}[egos]\ntypes = []\n", ":4: key 'egos.types'"),
+        (f"{HEAD}[egos]\nregion = [0.0, 1.0, 2.0]\n", ":4: key 'egos.region'"),
+        (f"{HEAD}[egos]\nregion = [0.0, 1.0, 2.0, inf]\n", ":4: key 'egos.region.3'"),
+        (f'{HEAD}[egos]\nnames = ["a", "a"]\n', ":4: key 'egos.names': ego 'a' is named twice"),
+        (
+            f"{HEAD}[egos]\nshare = [0.5]\n[expect.metrics]\nduration_s = {{ max = 3 }}\n",
+            ":6: key 'expect.metrics.duration_s': unknown metric of several egos 'duration_s'",
+        ),
         (f'{HEAD}[expect.metrics.duration_s]\nmost = 2\n', ":4: unknown key 'expect.metrics.duration_s.most'"),
         (f'{HEAD}[expect.metrics.duration_s]\nmax = nan\n', ":4: key 'expect.metrics.duration_s.max'"),
         ('[scenario]\nconfig = "nowhere.sumocfg"\n', "nowhere.sumocfg: no such file"),
@@ -118,3 +133,13 @@ def test_a_bad_file_gets_one_line_that_names_it_and_the_place(tmp_path, text, pl
     assert place in str(raised.value)
     assert str(tmp_path) in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_several_egos_are_a_rule_for_each_share(tmp_path):
+    kinds = 'types = ["car"]\nregion = [0, 0, 9, 9]\nnames = ["a"]\n'
+    file = load_scenario_file(_file(tmp_path, f"{HEAD}[egos]\nshare = [0.1, 0.5]\n{kinds}"))
+    rule = EgoRule(("a",), ("car",), (), (0.0, 0.0, 9.0, 9.0))
+    assert file.rules == file.variants == (replace(rule, share=0.1), replace(rule, share=0.5))
+    assert file.scenario.egos == file.rules[0]
+    alone = load_scenario_file(_file(tmp_path, HEAD))
+    assert (alone.rules, alone.variants, alone.scenario.egos) == ((), (None,), None)

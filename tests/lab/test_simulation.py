@@ -13,7 +13,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab import simulation
 from sumo_reactive.lab.columns import digest_of
 from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of
-from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.recorder import fleet_summary
 from sumo_reactive.lab.result import rows_of as shown
 from sumo_reactive.lab.result import summary_of
@@ -173,7 +173,7 @@ def test_sumos_own_driver_goes_on_past_the_end_by_the_same_rule(tmp_path):
 
 def test_nobody_becomes_an_ego_after_the_scenarios_end(tmp_path):
     flow = '<flow id="f" begin="0" end="60" period="4" departSpeed="max"><route edges="from_west to_east"/></flow>'
-    fleet = run_fleet(replace(own(tmp_path, flow, END), ego=None), EgoRule(probability=1.0))
+    fleet = run_fleet(replace(own(tmp_path, flow, END), ego=None), EgoRule(share=1.0))
     assert [result.departure_s for result in fleet.results] == [0.0, 4.0, 8.0]
     assert all(result.arrived for result in fleet.results) and not fleet.on_their_way
 
@@ -185,7 +185,7 @@ def test_a_fleet_of_which_nobody_can_be_driven_is_an_error_that_says_why(tmp_pat
     monkeypatch.setattr(simulation, "Trip", refuse)
     flow = '<flow id="f" begin="0" end="9" period="4" departSpeed="max"><route edges="from_west to_east"/></flow>'
     with pytest.raises(ScenarioError, match=r"none of 3 vehicles chosen can be taken over; 'f\.0': ego 'f\.0' has"):
-        run_fleet(replace(own(tmp_path, flow, END), ego=None), EgoRule(probability=1.0))
+        run_fleet(replace(own(tmp_path, flow, END), ego=None), EgoRule(share=1.0))
 
 
 def test_an_end_before_which_the_ego_has_arrived_overrides_nothing(tmp_path):

@@ -12,6 +12,7 @@ from sumo_reactive.cli.main import app
 from sumo_reactive.driver.parameters import Delays, Profile
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO, DriverChoice
+from sumo_reactive.lab.ego_rule import EgoRule, several
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import run_trial
 from sumo_reactive.lab.task import _FIELDS, _MORE, Task, replay_command, task_of
@@ -30,10 +31,17 @@ scenarios = some.fixed_dictionaries({
 })  # fmt: skip
 
 
-@settings(max_examples=50, deadline=None)
-@given(scenarios, some.none() | some.floats(0.0, 1.0))
-def test_a_command_is_read_back_as_the_task_that_it_was_written_from(fields, share):
-    task = Task(replace(load_scenario(CONFIG), **fields), share)
+word = some.text("abc #'\"$é.", min_size=1).filter(lambda name: not name.startswith("-"))
+words = some.lists(word, unique=True).map(tuple)
+corners = some.none() | some.tuples(*[some.floats(-1e5, 1e5)] * 4)
+rules = some.builds(EgoRule, words, words, words, corners, some.none() | some.floats(0.0, 1.0)).filter(several)
+
+
+@settings(max_examples=100, deadline=None)
+@given(scenarios, some.none() | rules)
+def test_a_command_is_read_back_as_the_task_that_it_was_written_from(fields, rule):
+    fields |= {"egos": rule} | ({"ego": None} if rule else {})
+    task = Task(replace(load_scenario(CONFIG), **fields))
     varied = replace(task.scenario, parameters=task.scenario.parameters.with_values({"STUCK_S": 100.25, "progress_m": 1}))
     for one in (task, replace(task, scenario=varied)):
         assert task_of(replay_command(one)) == one
@@ -62,7 +70,9 @@ def test_run_has_every_option_of_such_a_command():
     "command",
     ["", "rm -rf .", "sumo-reactive run", "sumo-reactive check a.toml", "sumo-reactive run a.sumocfg --gui",
      "sumo-reactive run a.sumocfg --seed", "sumo-reactive run a.sumocfg --seed one", "sumo-reactive run 'a",
-     "sumo-reactive run a.sumocfg --profile fast", "sumo-reactive run a.sumocfg --driver-option a=[", "sumo run a.sumocfg"],
+     "sumo-reactive run a.sumocfg --profile fast",
+     "sumo-reactive run a.sumocfg --ego-region 1,2,x,4", "sumo-reactive run a.sumocfg --driver-option a=[",
+     "sumo run a.sumocfg"],
 )  # fmt: skip
 def test_any_other_command_is_refused(command):
     with pytest.raises(ScenarioError, match="not the command of a run"):

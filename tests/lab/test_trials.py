@@ -11,6 +11,7 @@ from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.batch.experiment import load_experiment
 from sumo_reactive.lab.batch.trials import Departure, _digest_of_files, drawn_egos, key_of, scout, trials_of
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.fundamental_diagram import CountedEdges
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.task import Task
@@ -84,7 +85,9 @@ def test_whatever_is_asked_for_is_part_of_the_key():
         Task(scenario), Task(replace(scenario, driver=SUMO)),
         Task(replace(scenario, parameters=Parameters(stuck_s=1.0))),
         Task(replace(scenario, seed=1)), Task(replace(scenario, ego="other")), Task(replace(scenario, step_length_s=0.2)),
-        Task(scenario, 0.5), Task(scenario, 0.5, CountedEdges(30.0)),
+        Task(replace(scenario, egos=EgoRule(share=0.5))), Task(replace(scenario, egos=EgoRule(share=0.6))),
+        Task(replace(scenario, egos=EgoRule(types=("bus",), share=0.5))),
+        Task(replace(scenario, egos=EgoRule(share=0.5)), CountedEdges(30.0)),
         Task(replace(scenario, until_s=1.0)), Task(replace(scenario, sumo_options=("--scale", "2"))),
     ]  # fmt: skip
     assert len({key_of(task) for task in asked}) == len(asked)
@@ -93,9 +96,18 @@ def test_whatever_is_asked_for_is_part_of_the_key():
 def test_shares_of_egos_are_trials_of_their_own_and_told_among_what_varies(tmp_path):
     found = trials(tmp_path, "seeds = [1, 2]\n[egos]\nshare = [0.0, 0.3]\n[parameters]\nstuck_s = [5.0, 9.0]\n")
     assert len(found) == len({trial.key for trial in found}) == 8
-    assert {trial.task.share for trial in found} == {0.0, 0.3}
+    assert {trial.task.scenario.egos for trial in found} == {EgoRule(share=0.0), EgoRule(share=0.3)}
     assert {trial.task.scenario.driver for trial in found} == {REACTIVE}
-    one = next(trial for trial in found if trial.task.share == 0.3 and trial.task.scenario.seed == 2)
+    one = next(trial for trial in found if trial.task.scenario.egos.share == 0.3 and trial.task.scenario.seed == 2)
     assert one.parameters == {"share": 0.3, "stuck_s": 5.0}
     assert "--ego-probability 0.3 --seed 2" in one.replay
     assert "share=0.3" in str(one)
+
+
+def test_kinds_of_egos_are_drawn_among_and_all_of_them_without_a_share(tmp_path):
+    kinds = 'types = ["car"]\nclasses = ["passenger", "taxi"]\nregion = [0, 0, 100.5, 50]\n'
+    rule = EgoRule(types=("car",), classes=("passenger", "taxi"), region=(0.0, 0.0, 100.5, 50.0))
+    (every,) = trials(tmp_path, f"seeds = [1]\n[egos]\n{kinds}")
+    assert (every.task.scenario.egos, every.parameters["share"]) == (rule, 1.0)
+    found = trials(tmp_path, f"seeds = [1]\n[egos]\n{kinds}share = [0.2, 0.4]\n")
+    assert [one.task.scenario.egos for one in found] == [replace(rule, share=share) for share in (0.2, 0.4)]

@@ -25,7 +25,7 @@ from sumo_reactive.lab.metrics.safety.pairs import PairLog
 from sumo_reactive.lab.metrics.safety.series import encounter_columns
 from sumo_reactive.lab.recorder import FILES, fleet_summary
 from sumo_reactive.lab.result import FleetResult
-from sumo_reactive.lab.scenario import Expectation, Limit, ScenarioKeys
+from sumo_reactive.lab.scenario import Expectation, Limit, RuleKeys, ScenarioKeys
 
 FOLDER = ROOT / "docs" / "reference"
 COMMANDS = typer.main.get_command(app).commands
@@ -106,7 +106,8 @@ def test_a_unit_in_the_words_on_a_parameter_is_the_one_in_its_column():
 @pytest.mark.parametrize(
     ("heading", "model"),
     [
-        ("`[scenario]`", ScenarioKeys), ("`[expect]`", Expectation), ("`[expect.metrics] NAME = { … }`", Limit),
+        ("`[scenario]`", ScenarioKeys), ("`[egos] of a scenario`", RuleKeys), ("`[expect]`", Expectation),
+        ("`[expect.metrics] NAME = { … }`", Limit),
         ("`[experiment]`", ExperimentKeys), ("`[egos]`", EgoKeys), ("`[samples]`", SampleKeys),
         ("All tables", ExperimentFile),
     ],

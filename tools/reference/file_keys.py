@@ -11,15 +11,21 @@ from pydantic import BaseModel
 from reference.markdown import page, said_below, table
 from sumo_reactive.lab.batch.experiment import EgoKeys, ExperimentFile, ExperimentKeys, SampleKeys
 from sumo_reactive.lab.batch.network_keys import NetworkKeys
-from sumo_reactive.lab.scenario import Expectation, Limit, ScenarioKeys
+from sumo_reactive.lab.scenario import Expectation, Limit, RuleKeys, ScenarioKeys
 
 MODELS: Mapping[str, Mapping[str, type[BaseModel]]] = {
-    "Scenario files": {"[scenario]": ScenarioKeys, "[expect]": Expectation, "[expect.metrics] NAME = { … }": Limit},
+    "Scenario files": {
+        "[scenario]": ScenarioKeys, "[egos] of a scenario": RuleKeys, "[expect]": Expectation,
+        "[expect.metrics] NAME = { … }": Limit,
+    },
     "Experiment files": {
         "[experiment]": ExperimentKeys, "[egos]": EgoKeys, "[samples]": SampleKeys, "[network]": NetworkKeys,
         "All tables": ExperimentFile,
     },
 }  # fmt: skip
+
+SOURCES = {model.__module__ for models in MODELS.values() for model in models.values()}
+"""Modules whose models, and those that they extend, say what each key means."""
 
 _LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤"}
 _WORDS = {"integer": "whole number", "string": "text", "boolean": "true or false", "object": "table"}
@@ -36,7 +42,8 @@ def file_keys() -> str:
 
 
 def _keys(model: type[BaseModel]) -> str:
-    told, said = model.model_json_schema(), said_below(model)
+    told = model.model_json_schema()
+    said = {key: text for one in reversed(model.mro()) if one.__module__ in SOURCES for key, text in said_below(one).items()}
     rows = []
     for name, field in told["properties"].items():
         default = field.get("default")

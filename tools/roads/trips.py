@@ -17,7 +17,7 @@ from roads.witness import Seen, Witness, bridges_of
 from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.errors import ReactiveError
-from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.metrics.encounters import HARD_BRAKING_M_S2
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario

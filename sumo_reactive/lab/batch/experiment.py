@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from pydantic import Field, field_validator
 
@@ -18,6 +18,7 @@ from sumo_reactive.lab.metric_names import IN_BATCHES, METRICS, NETWORK, cut_key
 from sumo_reactive.lab.own_metrics import merged
 from sumo_reactive.lab.scenario import (
     DriverName,
+    KindKeys,
     Scenario,
     Seed,
     load_scenario,
@@ -72,8 +73,6 @@ class ExperimentKeys(TomlTable):
         return values
 
 
-_Share = Annotated[float, Field(ge=0.0, le=1.0)]
-
 SHARE_METRICS = (
     "egos", "network_arrived", "network_mean_time_loss_s", "network_mean_speed_m_s", "network_co2_g_per_km",
     "egos_collisions", "egos_violations", "egos_near_misses_by_ttc", "egos_near_misses_by_pet", "egos_near_misses_per_km",
@@ -81,16 +80,14 @@ SHARE_METRICS = (
 """What is shown of an experiment with shares of egos that names no metrics."""
 
 
-class EgoKeys(TomlTable):
-    """The table `[egos]`: ids, for every scenario or by scenario, or how many trips to draw, or which share of all road cars
-    are egos at once."""
+class EgoKeys(KindKeys):
+    """The table `[egos]`: ids, for every scenario or by scenario, or how many trips to draw, one a trial; or which share of
+    all road cars, or of some kinds of them, are egos at once."""
 
     names: list[str] | dict[str, list[str]] | None = Field(default=None)
-    """Ids of egos, for every scenario or in a table by scenario; else each scenario's own ego."""
+    """Ids of egos, a trial each, for every scenario or in a table by scenario; else each scenario's own ego."""
     drawn: int | None = Field(default=None, ge=1)
     """So many trips are drawn as egos, one a trial, in place of `names`."""
-    share: list[_Share] | None = Field(default=None, min_length=1)
-    """Shares of all road cars that are egos at once, a trial each, in place of `names` and `drawn`."""
     seed: Seed = 0
     """Seed of the draw."""
     min_length_m: float = Field(default=0.0, ge=0.0)
@@ -204,10 +201,10 @@ def load_experiment(path: Path) -> Experiment:
     file = read_toml(path, ExperimentFile)
     keys = file.experiment
     _check_egos(path, file)
-    if file.egos.share is not None and "metrics" not in keys.model_fields_set:
+    if file.egos.rules and "metrics" not in keys.model_fields_set:
         keys = keys.model_copy(update={"metrics": [*SHARE_METRICS, *map(cut_key, file.network.cuts)]})
     choices = tuple(_choice(path, file, k, name) for k, name in enumerate(keys.scenarios))
-    if file.egos.share is not None:
+    if file.egos.rules:
         counted = counted_of(path, file.network, {one.name: one.scenario.config for one in choices})
         choices = tuple(one._replace(counted=counted[one.name]) for one in choices)
     keys, choices = _with_own(path, keys, choices, file)
@@ -246,18 +243,18 @@ def _check_egos(path: Path, file: ExperimentFile) -> None:
 
 def _check_share(path: Path, file: ExperimentFile) -> None:
     egos, keys = file.egos, file.experiment
-    known = METRICS if egos.share is None else NETWORK
+    known = METRICS if not egos.rules else NETWORK
     for k, name in enumerate(keys.metrics if "metrics" in keys.model_fields_set else ()):
         if name in IN_BATCHES and name not in known:
-            what = "a trip, and there is none with a 'share'" if egos.share else "a network, which takes [egos] share = […]"
+            what = "a trip, and there is none with a 'share'" if egos.rules else "a network, which takes [egos] share = […]"
             raise problem_in(path, ("experiment", "metrics", k), f"'{name}' is a metric of {what}")
-    if egos.share is None:
+    if not egos.rules:
         if "network" in file.model_fields_set:
             raise problem_in(path, ("network",), "counts all vehicles of a run with a share of egos: [egos] share = […]")
         return
     for name in ("names", "drawn"):
         if getattr(egos, name) is not None:
-            raise problem_in(path, ("egos", "share"), f"there are '{name}' already")
+            raise problem_in(path, ("egos", egos.first_kind), f"there are '{name}' already")
     if "drivers" in keys.model_fields_set:
         raise problem_in(path, ("experiment", "drivers"), "with a 'share', who is no ego has SUMO's own driver")
     if keys.horizon_s is not None:
@@ -286,7 +283,7 @@ def _with_own(
     asked = {k: name for k, name in enumerate(keys.metrics) if name not in IN_BATCHES and name not in theirs}
     own = own_metrics_of(path, place, asked)
     names = dict(enumerate(keys.metrics)) | dict(zip(asked, (source.name for source in own), strict=True))
-    if file.egos.share is not None and not set(names.values()) <= {*NETWORK, *cuts}:
+    if file.egos.rules and not set(names.values()) <= {*NETWORK, *cuts}:
         raise problem_in(path, place, "a metric of one's own is of a trip, and there is none with a 'share'")
     try:
         measured = [replace(one.scenario, metrics=merged(one.scenario.metrics, own)) for one in choices]

@@ -89,8 +89,8 @@ def key_of(task: Task) -> str:
         "sumo_options": scenario.sumo_options,
         "driver": str(scenario.driver),
         "driver_sources": digest_of_driver(scenario.driver),
-        SHARE: task.share,
-        "counted": None if task.share is None else asdict(task.counted),
+        "egos": scenario.egos and asdict(scenario.egos),
+        "counted": scenario.egos and asdict(task.counted),
         "parameters": scenario.parameters.varied,
         "metrics": {source.name: source.digest for source in scenario.metrics},
         "versions": release(),
@@ -170,7 +170,7 @@ class Trial:
         varied = {**self.parameters, **self.options}
         said = "".join(f" {name}={value}" for name, value in varied.items())
         scenario = self.task.scenario
-        who = f"{scenario.ego or '(own ego)'} " if self.task.share is None else ""
+        who = f"{scenario.ego or '(own ego)'} " if scenario.egos is None else ""
         return f"{self.scenario} {who}seed {scenario.seed} {scenario.driver}{said}"
 
 
@@ -179,8 +179,8 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
 
     Raises ScenarioError if nothing is left of a selection.
     """
-    if experiment.egos.share is not None:
-        return list({trial.key: trial for trial in _shares(experiment, experiment.egos.share)}.values())
+    if experiment.egos.rules:
+        return list({trial.key: trial for trial in _fleets(experiment)}.values())
     egos = {choice.name: _egos(experiment, choice, scout) for choice in experiment.choices}
     found: dict[str, Trial] = {}
     for point, choice, options in itertools.product(
@@ -192,16 +192,16 @@ def trials_of(experiment: Experiment, scout: Scout) -> list[Trial]:
     return list(found.values())
 
 
-def _shares(experiment: Experiment, shares: Sequence[float]) -> Iterator[Trial]:
-    """Yield a trial for each share, seed and point; the share is told among what varies."""
+def _fleets(experiment: Experiment) -> Iterator[Trial]:
+    """Yield a trial for each rule, seed and point; the rule's share is told among what varies."""
     for point, choice, options in itertools.product(
         list(_points(experiment)), experiment.choices, list(_product(experiment.options))
     ):
-        for share, seed in itertools.product(shares, choice.seeds):
+        for rule, seed in itertools.product(experiment.egos.rules, choice.seeds):
             one = _trial(experiment, choice, (seed, None, REACTIVE), point, options)
             # outputs are dealt with where it is run; of a trip's own metrics there is none
-            scenario = replace(one.task.scenario, sumo_options=_words(options), metrics=())
-            yield replace(one, parameters={SHARE: share, **point}, task=Task(scenario, share, choice.counted))
+            scenario = replace(one.task.scenario, sumo_options=_words(options), metrics=(), egos=rule)
+            yield replace(one, parameters={SHARE: rule.drawn_share, **point}, task=Task(scenario, choice.counted))
 
 
 def _egos(experiment: Experiment, choice: Choice, scout: Scout) -> list[str | None]:

@@ -1,4 +1,8 @@
-"""The same trips with the same seeds under SUMO's own driver and under another: paired differences."""
+"""The same trips with the same seeds under SUMO's own driver and under another: paired differences.
+
+Trips of one ego each, in which the others are looked at from its departure on; or of several egos that a rule chooses, which
+are judged alike under both drivers, as is the whole network.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from sumo_reactive.errors import ExitCode, ScenarioError
 from sumo_reactive.lab.comparison.network_effects import NetworkEffects, Outputs, effects_of, means_over_both
 from sumo_reactive.lab.comparison.statistics import PairedDifference, paired_difference
 from sumo_reactive.lab.drivers.choice import REACTIVE, SUMO, DriverChoice
-from sumo_reactive.lab.metric_names import OTHERS
+from sumo_reactive.lab.metric_names import NETWORK, OTHERS
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.runner import run_all
 from sumo_reactive.lab.scenario import Scenario
@@ -37,30 +41,44 @@ MetricValue = float | int | None
 
 @dataclass(frozen=True)
 class Side:
-    """One driver's run of a trip: what became of it, and what it did to the others (None: it did not get to its end)."""
+    """One driver's run: what became of it, and what one ego did to the others (None: it did not get to its end, or there
+    are several)."""
 
     outcome: Outcome
     effects: NetworkEffects | None
 
     @property
+    def is_driven(self) -> bool:
+        """Whether the run got to its end."""
+        return self.effects is not None or self.outcome.network is not None
+
+    @property
     def result(self) -> TrialResult | None:
-        """The judged trial, if it got to its end."""
+        """The judged trip of one ego, if it got to its end."""
         return self.outcome.result
 
     @property
+    def is_clean(self) -> bool:
+        """Whether it got to its end, and nobody is to blame for anything."""
+        network = self.outcome.network
+        return network.is_clean if network else self.result is not None and self.result.exit_code == ExitCode.DONE
+
+    @property
     def figures(self) -> dict[str, MetricValue]:
-        """Every metric of the run by name, of the ego and of the others."""
-        return {**(self.result.metrics if self.result else {}), **(self.effects.figures if self.effects else {})}
+        """Every metric of the run by name, of the ego and of the others, or of several egos and the network."""
+        judged = self.outcome.judged
+        return {**(judged.metrics if judged else {}), **(self.effects.figures if self.effects else {})}
 
     @property
     def verdict(self) -> str:
         """What the run came to, in a line."""
-        return self.result.verdict if self.result else f"{self.outcome.ending.value}: {self.outcome.reason}"
+        judged = self.outcome.judged
+        return judged.verdict if judged else f"{self.outcome.ending.value}: {self.outcome.reason}"
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A trip with a seed under both drivers; `scenario` as asked for, without what the comparison adds."""
+    """A scenario with a seed under both drivers, as asked for, without what the comparison adds."""
 
     scenario: Scenario
     sumo: Side
@@ -69,11 +87,18 @@ class Pair:
     @property
     def is_driven(self) -> bool:
         """Whether both runs got to their end."""
-        return self.sumo.effects is not None and self.driven.effects is not None
+        return self.sumo.is_driven and self.driven.is_driven
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys of its metrics."""
+        return (*EGO_METRICS, *OTHERS_METRICS) if self.scenario.egos is None else tuple(NETWORK)
 
     @property
     def ego(self) -> str:
-        """The ego's id, as chosen where nobody named one."""
+        """The ego's id, as chosen where nobody named one; of several egos the rule that chooses them."""
+        if self.scenario.egos is not None:
+            return str(self.scenario.egos)
         found = self.sumo.result or self.driven.result
         return found.ego if found else self.scenario.ego or ""
 
@@ -84,7 +109,7 @@ class Pair:
         if self.sumo.effects and self.driven.effects:
             their_means, our_means = means_over_both(self.sumo.effects, self.driven.effects)
             theirs, ours = {**theirs, **their_means}, {**ours, **our_means}
-        return {name: (theirs.get(name), ours.get(name)) for name in (*EGO_METRICS, *OTHERS_METRICS)}
+        return {name: (theirs.get(name), ours.get(name)) for name in self.names}
 
     def of(self, metric: str) -> tuple[float, float] | None:
         """Return both values of a metric where they can be compared."""
@@ -110,23 +135,24 @@ class Pair:
     def replay(self) -> str:
         """The command that drives the trip again under the driver that is compared."""
         run = self.driven.outcome.task.scenario
-        return replay_command(Task(replace(run, ego=self.ego, sumo_options=self.scenario.sumo_options)))
+        named = None if run.egos else self.ego
+        return replay_command(Task(replace(run, ego=named, sumo_options=self.scenario.sumo_options)))
 
 
 @dataclass(frozen=True)
 class Comparison:
     """All pairs of SUMO's own driver and `driver`, with the window after each ego's departure (s) in which the others were
-    looked at."""
+    looked at; None: of several egos, the whole run counts."""
 
     pairs: tuple[Pair, ...]
-    horizon_s: float
+    horizon_s: float | None
     driver: DriverChoice = REACTIVE
 
     @cached_property
     def differences(self) -> dict[str, PairedDifference]:
         """Every metric that at least one pair has, in order: means and their paired difference, ours − SUMO's."""
         found = {}
-        for name in (*EGO_METRICS, *OTHERS_METRICS):
+        for name in dict.fromkeys(name for pair in self.pairs for name in pair.names):
             values = [value for pair in self.pairs if (value := pair.of(name)) is not None]
             if (difference := paired_difference(values)) is not None:
                 found[name] = difference
@@ -155,8 +181,8 @@ def compare(
     """Let SUMO's own driver and each of `drivers` drive each scenario in processes of their own, `jobs` at a time; return a
     comparison for each.
 
-    All runs go on until `horizon_s` after the ego's departure, or the scenario's end if that is earlier. Raises
-    ScenarioError for what cannot be run at all.
+    All runs of one ego go on until `horizon_s` after its departure, or the scenario's end if that is earlier; those of
+    several until the scenario's end. Raises ScenarioError for what cannot be run at all.
     """
     with scratch() as folder:
         runs = [
@@ -174,12 +200,16 @@ def compare(
     for number, driver in enumerate(drivers, start=1):
         asked = (replace(scenario, driver=driver) for scenario in scenarios)
         pairs = zip(asked, sides[::many], sides[number::many], strict=True)
-        found.append(Comparison(tuple(Pair(*pair) for pair in pairs), horizon_s, driver))
+        window = None if scenarios[0].egos else horizon_s
+        found.append(Comparison(tuple(Pair(*pair) for pair in pairs), window, driver))
     return found
 
 
 def _task(scenario: Scenario, driver: DriverChoice, outputs: Outputs, horizon_s: float) -> Task:
-    """Return the run of a scenario that goes on for the others, and writes what tells of them."""
+    """Return the run of a scenario that goes on for the others, and writes what tells of them; with several egos that is
+    seen to where it is run."""
+    if scenario.egos is not None:
+        return Task(replace(scenario, driver=driver))
     config = read_config(scenario.config)
     ends = [end for end in (scenario.until_s, config.end_s) if end is not None]
     options = outputs.options(config)

@@ -14,7 +14,16 @@ from typing import NamedTuple
 
 from sumo_reactive.errors import SimulationError
 from sumo_reactive.sumo.config import SumoConfig
-from sumo_reactive.sumo.outputs import AS_READ, TripInfo, read_contacts, read_teleports, read_trips, silenced, trip_of
+from sumo_reactive.sumo.outputs import (
+    AS_READ,
+    Contact,
+    TripInfo,
+    read_contacts,
+    read_teleports,
+    read_trips,
+    silenced,
+    trip_of,
+)
 from sumo_reactive.sumo.stand_ins import is_stand_in
 
 MG_PER_KG, MG_PER_G, M_PER_KM = 1e6, 1e3, 1e3
@@ -100,6 +109,11 @@ def _contacts(path: Path, ego_id: str, departure: float) -> int:
     return sum(not any(_is_own(name, ego_id) for name in (one.collider, one.victim)) for one in later)
 
 
+def _with_stand_in(contact: Contact) -> bool:
+    """Whether SUMO counts a body that is not there: a stand-in, which is where its ego is."""
+    return is_stand_in(contact.collider) or is_stand_in(contact.victim)
+
+
 def _is_own(vehicle_id: str, ego_id: str) -> bool:
     return vehicle_id == ego_id or is_stand_in(vehicle_id)
 
@@ -143,7 +157,7 @@ def network_figures(outputs: Outputs, duration: float) -> dict[str, float | None
         "network_stops_per_vehicle": per(sum(trip.stops for trip in driven), len(driven)),
         "network_co2_g_per_km": per(sum(trip.carbon_dioxide_mg for trip in driven), way),
         "network_fuel_g_per_km": per(sum(trip.fuel_mg for trip in driven), way),
-        "network_collisions": sum(1 for _ in read_contacts(outputs.contacts)),
+        "network_collisions": sum(not _with_stand_in(contact) for contact in read_contacts(outputs.contacts)),
         "network_teleports": read_teleports(outputs.totals),
     }  # mg a metre are g a kilometre
 

@@ -25,7 +25,7 @@ JSON_MEANINGS = {
     "version": "of both files of a comparison",
     "confidence": "of the intervals, 0 to 1",
     "resamples": "of the bootstrap",
-    "horizon_s": "runs end this long after the ego's departure",
+    "horizon_s": "runs end this long after the ego's departure; null: of several egos, at the scenario's end",
     "pairs_driven": "pairs in which both runs got to an end",
     "drivers": "SUMO's own, and the one that is compared",
     "metrics": "of each metric by key: n, both means, their paired difference, `low` and `high` of its interval, its method",
@@ -36,7 +36,7 @@ JSON_MEANINGS = {
 
 CSV_MEANINGS = {
     "scenario": "the scenario's file",
-    "ego": "the vehicle driven",
+    "ego": "the vehicle driven; of several egos the rule that chooses them",
     "seed": "seed of both runs",
     "metric": "key of the metric",
     "sumo": "its value with SUMO's own driver; empty: none",
@@ -114,12 +114,8 @@ def notes_of(comparison: Comparison) -> list[str]:
 def _told(pair: Pair) -> list[str]:
     name = f"{pair.ego} seed {pair.scenario.seed}"
     sides = (("SUMO's own driver", pair.sumo), (called(pair.scenario.driver), pair.driven))
-    faulty = [f"{name}, {who}: {side.verdict}" for who, side in sides if not _is_clean(side)]
-    return [*faulty, f"  {pair.replay}"] if not _is_clean(pair.driven) else faulty
-
-
-def _is_clean(side: Side) -> bool:
-    return side.result is not None and side.result.exit_code == 0
+    faulty = [f"{name}, {who}: {side.verdict}" for who, side in sides if not side.is_clean]
+    return [*faulty, f"  {pair.replay}"] if not pair.driven.is_clean else faulty
 
 
 def data_of(comparison: Comparison) -> dict[str, object]:
@@ -133,7 +129,7 @@ def data_of(comparison: Comparison) -> dict[str, object]:
         "drivers": ["sumo", str(comparison.driver)],
         "metrics": {name: _difference(found, str(comparison.driver)) for name, found in comparison.differences.items()},
         "pairs": [_pair(pair, str(comparison.driver)) for pair in comparison.pairs],
-        "versions": next((dict(p.driven.result.versions) for p in comparison.pairs if p.driven.result), {}),
+        "versions": next((dict(one.versions) for p in comparison.pairs if (one := p.driven.outcome.judged)), {}),
     }
 
 
@@ -163,12 +159,12 @@ def _pair(pair: Pair, name: str) -> dict[str, object]:
 
 
 def _side(side: Side) -> dict[str, object]:
-    result = side.result
+    result, judged = side.result, side.outcome.judged
     told: dict[str, object] = {"ending": side.outcome.ending.value, "verdict": side.verdict}
-    if result is None:
+    if judged is None:
         return told
-    told["trajectory"] = side.outcome.trajectory
-    return told | {"departure_s": result.departure_s, "end_s": result.end_s, "figures": result.metrics}
+    times = {"departure_s": result.departure_s, "end_s": result.end_s} if result else {}
+    return told | {"trajectory": side.outcome.trajectory, **times, "figures": judged.metrics}
 
 
 def csv_of(comparison: Comparison) -> str:

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from sumo_reactive.errors import ScenarioError
-from sumo_reactive.lab.drivers.choice import SUMO, DriverChoice, chosen_driver
+from sumo_reactive.lab.drivers.choice import DriverChoice, chosen_driver
 from sumo_reactive.lab.drivers.loading import digest_of_driver, maker_of
 from sumo_reactive.lab.drivers.protocol import Driver
-from sumo_reactive.lab.egos import EgoRule
+from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.scenario import load_scenario
 from sumo_reactive.lab.simulation import run_fleet, run_trial, taking_over
@@ -148,11 +148,6 @@ def test_the_examples_are_drivers():
 def test_what_is_no_driver_is_refused_before_sumo_starts(name, options, told):
     with pytest.raises(ScenarioError, match=told):
         taking_over(driven_by(name, EXAMPLES if "examples" in name else HERE, **options))
-
-
-def test_several_egos_of_sumos_own_driver_are_refused_instead_of_driven_by_another():
-    with pytest.raises(ScenarioError, match="several egos with SUMO's own driver"):
-        run_fleet(replace(FOUR_WAY, driver=SUMO), EgoRule(("ego", "west_east.1")))
 
 
 def test_the_drivers_that_are_built_in_take_no_options():
