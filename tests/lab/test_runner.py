@@ -18,12 +18,12 @@ from sumo_reactive.lab.task import Ending, Task
 from sumo_reactive.lab.trial_process import scratch
 
 LIMIT_S = 200.0
-FOUR_WAY = Path(__file__).parents[2] / "scenarios" / "four_way_priority.toml"
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
 
 @pytest.fixture(scope="module")
 def scenario():
-    return load_scenario(FOUR_WAY)
+    return load_scenario(SCENARIOS / "four_way_priority.toml")
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,8 @@ def test_a_limit_and_a_kill_end_one_trial(runner, scenario):
         children()[0].kill()
 
     threading.Thread(target=kill).start()
-    killed = runner.run(Task(replace(scenario, until_end=True)), LIMIT_S)
+    lasting = replace(load_scenario(SCENARIOS / "city_grid.toml"), until_end=True)
+    killed = runner.run(Task(lasting), LIMIT_S)
     assert killed.ending is Ending.CRASHED and killed.reason == "the process was killed by SIGKILL"
     assert runner.run(Task(scenario), LIMIT_S).ending is Ending.DONE
 
