@@ -6,6 +6,8 @@ import json
 import math
 from array import array
 from collections.abc import Iterator
+from itertools import chain
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +65,8 @@ NEAR_THE_WAY_M = 200.0
 """Lanes nearer to the way driven than this are kept."""
 
 _DECIMALS = 2
+_MOVING = itemgetter(1, 2, 3, 4)
+"""Place, heading and speed of a bystander."""
 
 
 class SurroundingsRecord:
@@ -79,6 +83,7 @@ class SurroundingsRecord:
         self._curves: list[tuple[float, Curve]] = []
         self._constraints: list[tuple[float, list[list[Any]]]] = []
         self._rooms: list[tuple[float, list[list[Any]]]] = []
+        self._told: tuple[object, object, object] = (None, None, None)
         self._track: list[tuple[float, float]] = []
         self._fields: list[list[Any]] = []
         self._shadows: list[list[Any]] = []
@@ -122,19 +127,24 @@ class SurroundingsRecord:
             if user.id not in seen:
                 x, y, heading, speed, (length, width, *_) = *user[1:5], user.body
                 seen[user.id] = Bystander(user.id, x, y, heading, speed, length, width, 0)
+        ids = self._ids
         for one in seen.values():
-            number = self._ids.setdefault(one.id, len(self._ids))
-            if 2 * number == len(self._sizes):
+            if one.id not in ids:
+                ids[one.id] = len(ids)
                 self._sizes.extend((one.length, one.width))
-            self._users.append(number)
-            self._numbers.extend((one.x, one.y, one.heading, one.speed))
-            self._signals.append(one.signals & SHOWN_SIGNALS)
+        self._users.extend(map(ids.__getitem__, seen))
+        self._numbers.extend(chain.from_iterable(map(_MOVING, seen.values())))
+        self._signals.extend([one.signals & SHOWN_SIGNALS for one in seen.values()])
         self._times.append(scene.step.time)
         self._counts.append(len(seen))
 
     def _keep_constraints(self, scene: Scene) -> None:
         if scene.plan is None:
             return
+        told = scene.plan.curve, scene.step.constraints, scene.step.rooms
+        if all(now is before for now, before in zip(told, self._told, strict=True)):
+            return  # the plan is still in force
+        self._told = told
         found = [
             [*_rounded(*scene.plan.curve.at(one.s)), _finite(one.time), one.reason.value, one.cause or one.region]
             for one in scene.step.constraints
