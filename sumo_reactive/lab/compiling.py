@@ -45,7 +45,10 @@ def kernels_of(part: int) -> dict[Any, str]:
     from sumo_reactive.lab.metrics import moment, way
 
     if part == 0:
-        return {field.choose_command: "VVVRFFFFVVVFFMTFFFMFFV", way.along_way: "MNM"}
+        return {
+            field.choose_command: "VVVRFFFFVVVFFMTFFFMFFV", field.potentials_over: "VVVFFFFVVVFFMTMFFV",
+            way.along_way: "MNM",
+        }  # fmt: skip
     return {
         desired_speed.wished: "OWFMMMMVVVVF", command_grid.lattice_axes: "FFFFFF",
         corridor.related: "MFFFFFVVVFFFVVF", corridor.blocking_ones: "MVVVFFFVVF",
@@ -56,7 +59,7 @@ def kernels_of(part: int) -> dict[Any, str]:
         curve.project_each: "MVVFVF", curve.project_on_curve: "FFVVFFF",
         foresee.turned: "MFFFF", foresee.point_at: "MF",
         velocity.carried_out: "VFFFFFFF", safe_speed.stopping_speed: "FFF", safe_speed.following_speed: "FFFF",
-        moment.contacts: "VM",
+        moment.contacts: "VM", moment.nearer: "MFFF",
     }  # fmt: skip
 
 

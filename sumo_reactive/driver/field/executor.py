@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid, wide_grid
 from sumo_reactive.driver.field.demands import car_of, hard_rows, held_of, slot_rows
 from sumo_reactive.driver.field.desired_speed import (
@@ -17,7 +15,7 @@ from sumo_reactive.driver.field.desired_speed import (
     room_to_brake,
     without_jerk,
 )
-from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of
+from sumo_reactive.driver.field.field import ADMISSIBLE, NO_COMMAND, choose_command, driver_of, potentials_over
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.one_pass import STANDS, car_in, commanded
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
@@ -160,15 +158,12 @@ def field_over(
     wish = desired_speed(snapshot, completed, limits, period)
     wanted = without_jerk(wish.speed, wish.is_pressing, on_curve(snapshot), period, limits.parameters.comfort_jerk)
     room = room_to_brake(snapshot, completed, HARD_STOP_MARGIN_M)
-    car = _car(ego, completed, limits)
-    bounds = _Bounds(period, room, wanted, min(wanted, ego.speed - limits.planned_deceleration * period))
-    shape = len(grid.accelerations), len(grid.steering_rates)
-    potentials = np.full(shape, np.inf)
-    for i, j in np.ndindex(shape):
-        one = CommandGrid(grid.accelerations[i : i + 1], grid.steering_rates[j : j + 1])
-        _, verdict, found, _ = _choose(snapshot, completed.plan.curve, car, bounds, one, NO_MAP)
-        if verdict != NO_COMMAND:
-            potentials[i, j] = found.total
+    curve, lowest = completed.plan.curve, min(wanted, ego.speed - limits.planned_deceleration * period)
+    potentials = potentials_over(
+        _car(ego, completed, limits), grid.accelerations, grid.steering_rates, period, room, wanted, lowest,
+        curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static, NO_MAP.bitmaps, snapshot.boxes,
+        *snapshot.room, driver_of(snapshot.parameters),
+    )  # fmt: skip
     return CommandField(grid.accelerations, grid.steering_rates, potentials)
 
 

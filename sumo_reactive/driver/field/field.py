@@ -259,6 +259,44 @@ def best_of(
 
 
 @kernel
+def room_and_shadows(
+    car: Floats, cx: Floats, cy: Floats, ch: Floats, step: float, s: float, static: Floats, boxes: Floats,
+    left: float, right: float, driver: Floats,
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Return the `sides` (4) of C that `valley_of_command` takes, and the foreseen shadows (n, 3) of `boxes` on it."""
+    half, front, behind = 0.5 * car[8], car[6] - car[5], car[7] - car[6] + car[5]
+    sides, shadows = np.array((left, right, np.inf, np.inf)), np.empty((0, 3))
+    sides[2], sides[3] = least_to_static(static, cx, cy, ch, step, s, half, front + look_ahead(car[3], driver), behind)
+    if len(boxes) > 0 and car[15] > 0.0:
+        shadows = foreseen_shadows(
+            boxes, car[3], half, front, behind, cx, cy, ch, step, s, sides, driver[K0], driver[CLEARANCE]
+        )
+    return sides, shadows
+
+
+@kernel
+def potentials_over(
+    car: Floats, accelerations: Floats, rates: Floats, period: float, room: float, wanted: float, lowest: float,
+    cx: Floats, cy: Floats, ch: Floats, step: float, s: float, static: Floats, bitmaps: Floats, boxes: Floats,
+    left: float, right: float, driver: Floats,
+) -> Floats:  # fmt: skip
+    """Return U (a, w) of each command of the lattice `accelerations` × `rates` as if there were no other, infinite where it
+    is not admissible. The arguments are those of `choose_command`; `bitmaps`: none."""
+    sides, shadows = room_and_shadows(car, cx, cy, ch, step, s, static, boxes, left, right, driver)
+    corners, fine = np.empty((0, 6, 2)), len(bitmaps) > 0
+    potentials = np.full((len(accelerations), len(rates)), np.inf)
+    for i in range(len(accelerations)):
+        for j in range(len(rates)):
+            _, verdict, u1, u2, u3, _, _, _, _, _ = best_of(
+                car, accelerations[i : i + 1], rates[j : j + 1], fine, rates[j] * period, period, room, wanted, lowest,
+                cx, cy, ch, step, s, sides, bitmaps, 0.0, 0.0, 1.0, boxes, corners, shadows, driver,
+            )  # fmt: skip
+            if verdict != NO_COMMAND:
+                potentials[i, j] = car[14] * u1 + car[15] * u2 + car[16] * u3
+    return potentials
+
+
+@kernel
 def choose_command(
     car: Floats, accelerations: Floats, rates: Floats, rounds: int, period: float, room: float, wanted: float, lowest: float,
     cx: Floats, cy: Floats, ch: Floats, step: float, s: float, static: Floats,
@@ -272,18 +310,11 @@ def choose_command(
     around it, `rounds` times. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8)
     cast U₂ and are tested for contact. The ego may lean `left` and `right` (m) of C. `driver` (7): see `driver_of`.
     """
-    turn, half = rates[-1] * period, 0.5 * car[8]
-    sides = np.array((left, right, np.inf, np.inf))
-    shadows, corners = np.empty((0, 3)), np.empty((0, 6, 2))
+    turn, corners = rates[-1] * period, np.empty((0, 6, 2))
     if len(bitmaps) > 0:
-        corners = corners_of(boxes)
+        corners, sides, shadows = corners_of(boxes), np.array((left, right, np.inf, np.inf)), np.empty((0, 3))
     else:
-        front, behind = car[6] - car[5], car[7] - car[6] + car[5]
-        sides[2], sides[3] = least_to_static(static, cx, cy, ch, step, s, half, front + look_ahead(car[3], driver), behind)
-        if len(boxes) > 0 and car[15] > 0.0:
-            shadows = foreseen_shadows(
-                boxes, car[3], half, front, behind, cx, cy, ch, step, s, sides, driver[K0], driver[CLEARANCE]
-            )
+        sides, shadows = room_and_shadows(car, cx, cy, ch, step, s, static, boxes, left, right, driver)
     index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
         car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides,
         bitmaps, x0, y0, cell, boxes, corners, shadows, driver,
