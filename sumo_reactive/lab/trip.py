@@ -134,7 +134,10 @@ class Trip:
         field = partial(field_over, step.snapshot, step.completed, self.limits, period) if has_field else None
         ground = partial(ground_field, step.snapshot, step.completed, self.limits) if has_field else None
         shadows = partial(cast_shadows, step.snapshot, step.completed, self.limits, seen) if has_field else None
-        return Scene(record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field, ground, shadows)
+        return Scene(
+            record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field, ground, shadows,
+            boxes=traffic.boxes,
+        )  # fmt: skip
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""

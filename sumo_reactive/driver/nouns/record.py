@@ -130,7 +130,7 @@ class Scene(NamedTuple):
     (None: its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands
     among which this step's was chosen, `ground` over the places around, `shadows` what casts U₂ (None: its driver has none),
     `around` everybody near, also who is no matter of the driver's (None: they are not told); it is asked before the next
-    step or not at all.
+    step or not at all. `boxes` (n, 6): those of `users`, if they are packed already.
     """
 
     step: StepRecord
@@ -145,3 +145,4 @@ class Scene(NamedTuple):
     ground: Callable[[], GroundField] | None = None
     shadows: Callable[[], tuple[CastShadow, ...]] | None = None
     around: Callable[[], tuple[Bystander, ...]] | None = None
+    boxes: NDArray[np.float64] | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from struct import Struct
 from typing import NamedTuple
 
@@ -74,7 +75,7 @@ NO_SWITCHES: Switches = {}
 """Nothing is known of the lights' future."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Traffic:
     """All that is seen at `time` (s): the others, and the letters of each traffic light by its id.
 
@@ -90,3 +91,8 @@ class Traffic:
     static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)
     beside: tuple[RoadUser, ...] = ()
     switches: Switches = field(default_factory=lambda: NO_SWITCHES)
+
+    @cached_property
+    def boxes(self) -> NDArray[np.float64]:
+        """The boxes (n, 6) of `users`, packed once for all who look at them."""
+        return boxes_of(self.users)

@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
 from sumo_reactive.driver.nouns.plan import NominalPlan, Passage
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
-from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic, boxes_of
+from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
     ATTENTION_MIN_AHEAD_M,
@@ -64,7 +64,7 @@ def perceive(
     """
     s, d = place
     front = s + limits.front_overhang
-    near, on_path = _related(traffic.users, plan, graph, ego, limits, front)
+    near, on_path = _related(traffic, plan, graph, ego, limits, front)
     sight = in_sight(plan, front, ego.speed)
     sought = lane_sought(graph, plan, front)
     off_tracking = next_off_tracking(plan, graph, limits, s, front)
@@ -100,18 +100,19 @@ def _comes_first(off_tracking: OffTracking, plan: NominalPlan, front: float) -> 
 
 
 def _related(
-    users: tuple[RoadUser, ...], plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
+    traffic: Traffic, plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
 ) -> tuple[Floats, tuple[PathObstacle, ...]]:
-    """Return the boxes (m, 8) of those of `users` who are near, and who blocks the corridor.
+    """Return the boxes (m, 8) of those users who are near, and who blocks the corridor.
 
     Who cannot be touched within the foreseen time has no turn rate, and no end of his way.
     """
+    users = traffic.users
     if not users:
         return _NO_ONE_NEAR, ()
     curve, (x, y, heading), speed = plan.curve, ego.pose, ego.speed
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     near, touchable, blocking, stretches = related(
-        boxes_of(users), x, y, heading, speed, limits.length,
+        traffic.boxes, x, y, heading, speed, limits.length,
         curve.x, curve.y, curve.heading, curve.step, front, reach, *band_of(curve, limits),
     )  # fmt: skip
     for row, k in touchable.tolist() if len(touchable) else ():
@@ -169,6 +170,8 @@ def _swings_back(
 ) -> Iterator[TimeConstraint]:  # fmt: skip
     """Yield a leader for everybody who is before the ego on its own way through a junction, beside C now, and will come over
     it: in a turn that the map draws too tight for the ego, C keeps off that way until its end."""
+    if not any(passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end for passage in plan.passages):
+        return
     curve, inside, known = plan.curve, _ways_inside(plan, graph), {obstacle.user.id for obstacle in on_path}
     for user in users:
         for passage, at, scale, left in inside.get(user.lane_id, ()) if user.id not in known else ():

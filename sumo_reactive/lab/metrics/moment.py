@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,20 @@ def contacts(own: Floats, boxes: Floats) -> Floats:
     for k in range(len(boxes)):
         out[0, k], out[1, k] = _meeting(own, boxes[k])
     return out
+
+
+@kernel
+def nearer(boxes: Floats, x: float, y: float, reach: float) -> tuple[NDArray[np.int64], Floats]:
+    """Return which of `boxes` (n, 6) have their front nearer than `reach` to a place (m), and these, (m, 6)."""
+    which, found, m = np.empty(len(boxes), dtype=np.int64), np.empty((len(boxes), 6)), 0
+    for k in range(len(boxes)):
+        dx, dy = boxes[k, 0] - x, boxes[k, 1] - y
+        if dx * dx + dy * dy < reach * reach:
+            which[m] = k
+            for column in range(6):
+                found[m, column] = boxes[k, column]
+            m += 1
+    return which[:m], found[:m]
 
 
 @kernel
@@ -156,11 +171,10 @@ class Neighbourhood:
         step, last = scene.step, self._last
         duration = step.time - last.time if last else math.nan
         acceleration = (step.speed - last.speed) / duration if last else math.nan
-        near, before = _near(scene.users, step.x, step.y), self._users
+        (near, boxes), before = _near(scene.users, step.x, step.y, scene.boxes), self._users
         changes = [_change(before[user.id], user, duration) if user.id in before else math.nan for user in near]
         self._last, self._users = step, {user.id: user for user in near}
-        boxes = (boxes_of(near), np.array(changes)) if near else (_NO_BOXES, _NOTHING)
-        return Nearby(step, duration, acceleration, near, *boxes)
+        return Nearby(step, duration, acceleration, near, boxes, np.array(changes) if near else _NOTHING)
 
 
 class Watch:
@@ -169,7 +183,8 @@ class Watch:
     def __init__(self, length: float, width: float) -> None:
         self._length, self._width = length, width
         self._neighbourhood = Neighbourhood()
-        contacts(np.ones(6), np.ones((1, 6)))  # loads the kernel before the clock of the run starts
+        contacts(np.ones(6), np.ones((1, 6)))  # loads the kernels before the clock of the run starts
+        nearer(np.ones((1, 6)), 0.0, 0.0, 1.0)
 
     def moment(self, scene: Scene) -> Moment:
         """Return what there is to judge in `scene`."""
@@ -177,9 +192,9 @@ class Watch:
         step, near = scene.step, nearby.users
         touching, times = self._contacts(step, near, nearby.boxes) if near else (_NOBODY, ())
         known = {user.id for user in near}
-        others = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
+        others, boxes = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
         if others:
-            touching |= self._contacts(step, others, boxes_of(others))[0]
+            touching |= self._contacts(step, others, boxes)[0]
         changes = zip(near, nearby.accelerations.tolist(), strict=True)
         slowing = {user.id: change for user, change in changes if change < 0.0}
         return Moment(*nearby, self._length, self._width, touching, times, slowing, scene.crossed, scene.world)
@@ -205,7 +220,15 @@ def _change(before: RoadUser, user: RoadUser, duration: float) -> float:
     return (user.speed - before.speed) / duration if user.lane_id == before.lane_id else user.acceleration
 
 
-def _near(users: tuple[RoadUser, ...], x: float, y: float) -> tuple[RoadUser, ...]:
-    reach = JUDGED_REACH_M * JUDGED_REACH_M
-    near = [u for u in users if (dx := u.x - x) * dx + (dy := u.y - y) * dy < reach and not u.id.startswith(GHOST)]
-    return tuple(near)
+def _near(
+    users: tuple[RoadUser, ...], x: float, y: float, boxes: Floats | None = None
+) -> tuple[tuple[RoadUser, ...], Floats]:
+    """Return who of `users` is near a place (m) and no stand-in, and their boxes (n, 6)."""
+    if not users:
+        return (), _NO_BOXES
+    which, found = nearer(boxes_of(users) if boxes is None else boxes, x, y, JUDGED_REACH_M)
+    near = tuple([users[k] for k in which.tolist()])
+    if any(user.id.startswith(GHOST) for user in near):
+        is_real = [not user.id.startswith(GHOST) for user in near]
+        return tuple(compress(near, is_real)), found[is_real]
+    return near, found
