@@ -1,6 +1,7 @@
 """Everybody within sight is seen in every step, though who is far away is not looked at in each."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import libsumo
@@ -42,7 +43,7 @@ def driven(steps, looks=lambda k: True):
 def test_nobody_who_comes_near_leaves_or_departs_is_missed(city):
     seen = [({one.id for one in some}, there) for some, there in driven(900)]
     assert all(some == there for some, there in seen)
-    came = [there - before for (_, before), (_, there) in zip(seen, seen[1:], strict=False)]
+    came = [there - before for (_, before), (_, there) in pairwise(seen)]
     assert sum(map(len, came)) > 20
 
 
