@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.path.lane_choice import LaneChoice, LaneStep, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
-from sumo_reactive.driver.path.trajectory import PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
+from sumo_reactive.driver.path.trajectory import FOOT_REACH_M, PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
 from sumo_reactive.driver.path.turnaround import turn_in_moves
 from sumo_reactive.driver.path.way_back import road_around, ways_back
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -28,6 +28,12 @@ LATE_M = 0.3
 """A car past the place where a turn in several moves begins by more than this begins where it can stop…"""
 ASKEW_RAD = 0.1
 """…if it stands along its lane; else it turns in one sweep."""
+SLANTED_M = 0.1
+"""A line that C crosses slantwise is placed where that is if it is nearer than the nearest place by more than this…"""
+LEAST_STRAIGHT = 0.7
+"""…and C leads over it by less than 45° from straight on, by the cosine…"""
+LINE_STEPS = 3
+"""…found by so many steps of Newton's."""
 PROJECTION_REACH_M = 15.0
 """The front axle is looked for this far around its stated lane position."""
 
@@ -172,7 +178,10 @@ def _on_curve(
     for turn in turnarounds:
         pace[(turn.line < arc) & (arc < turn.end)] = turn.pace
     envelope = speed_envelope(curve, pace, limits)
-    passages = tuple(Passage(c.id, c.junction_id, s(a), s(b)) for c, a, b in reference.passages)
+    passages = tuple(
+        Passage(c.id, c.junction_id, _line_on(course, reference.graph.lanes[c.from_lane], a), s(b))
+        for c, a, b in reference.passages
+    )
     stops = tuple(PlannedStop(s(u), stop) for stop, u in reference.stops)
     goal = None if reference.goal is None else s(reference.goal)
     places = [p for passage in passages for p in (passage.start, passage.end)] + ([] if goal is None else [goal])
@@ -192,6 +201,25 @@ def _on_curve(
         turnarounds=turnarounds,
         stays_on=start.stays_on,
     )
+
+
+def _line_on(course: Trajectory, lane: Lane, u: float) -> float:
+    """Return the arc length on C where it crosses the line across the end of `lane`, at `u` of the reference, m.
+
+    Where C comes to it from the lane beside, slantwise, that is before the place of C which is nearest to the lane's end.
+    """
+    near = course.s(u)
+    if not 0.0 < near < course.curve.length:
+        return near
+    (x, y), along = lane.spine.at(lane.spine.length), lane.spine.heading_at(lane.spine.length)
+    s, c, d = near, math.cos(along), math.sin(along)
+    for _ in range(LINE_STEPS):
+        cx, cy, heading = course.curve.at(s)
+        straight = math.cos(heading - along)
+        if straight < LEAST_STRAIGHT or abs(s - near) > FOOT_REACH_M:
+            return near
+        s += ((x - cx) * c + (y - cy) * d) / straight
+    return s if s < near - SLANTED_M else near
 
 
 def _segments(reference: Reference, course: Trajectory, left: LeftLane | None) -> tuple[LaneSegment, ...]:

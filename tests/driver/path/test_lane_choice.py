@@ -111,3 +111,11 @@ def test_lane_changes_obey_the_side_that_the_driver_sees(left_hand: bool, side: 
     assert [change.side for change in plan(free, route, CAR, start).lane_changes] == [side]
     with pytest.raises(PlanError, match="no lane changes"):
         plan(closed, route, CAR, start)
+
+
+@pytest.mark.parametrize("position", [56.0, 58.0])
+def test_the_stop_line_is_where_a_late_change_leads_over_it_slantwise(position: float) -> None:
+    a, b = road("a", [(0, 0), (60, 0)], 2), road("b", [(61, 0), (160, 0)], 1)
+    world = graph([a, b], [("a_0", "b_0")])
+    found = plan(world, Route(("a", "b")), CAR, start_on(world.lanes["a_1"], position, 3.0))
+    assert found.curve.at(found.passages[0].start)[0] == pytest.approx(60.0, abs=0.02)
