@@ -160,3 +160,12 @@ def test_the_ego_does_not_back_up_into_a_junction_that_it_has_passed():
         passage = replace(way.passage, start=front - behind - 8.0, end=front - behind)
         way_out = escape(situation._replace(plan=replace(situation.plan, passages=(passage,))))
         assert (way_out is not None and way_out.instruction is Instruction.BACK_UP) is backs_up
+
+
+def test_what_is_far_ahead_does_not_keep_a_standing_ego_where_it_is():
+    ego, _ = standing(3.0)
+    front = ego.seen().front
+    light = escape(ego.considered(events=STUCK, stop=stop_at(front + 40.0, Reason.RED_LIGHT)))
+    queue = escape(ego.considered(ego.ahead("x", 40.0, 0.0), events=STUCK))
+    assert light.replanning is queue.replanning is Replanning.CURVE
+    assert escape(ego.considered(events=STUCK, stop=stop_at(front + 5.0, Reason.RED_LIGHT))) is None

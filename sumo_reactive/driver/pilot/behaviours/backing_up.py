@@ -27,6 +27,8 @@ _BACKED_UP_M = 0.02
 _NO_RIGHT = (Reason.BLOCKED, Reason.NO_GAP)
 """Stops for these reasons are nobody's right."""
 
+_KEPT_WITHIN_M = 10.0
+"""A place to stop at, or somebody ahead, that is farther away is not what keeps a standing ego where it is."""
 
 _SQUEEZING_SPEED = 1.0
 """m/s; walking speed: no faster than this does the ego squeeze past a body that stands in its corridor."""
@@ -82,9 +84,12 @@ def escape(situation: Situation) -> Escape | None:
 
 def _has_right(situation: Situation, x: PathObstacle | None) -> bool:
     """Whether a rule, or somebody who waits himself, keeps the ego where it is."""
-    if situation.stop is not None and situation.stop.reason not in _NO_RIGHT:
+    stop, reach = situation.stop, situation.snapshot.front + _KEPT_WITHIN_M
+    if stop is not None and stop.s < reach and stop.reason not in _NO_RIGHT:
         return True
-    return x is not None and not x.user.is_halted and x.along > -STANDING_SPEED and _same_way(situation, x)
+    if x is None or x.start >= reach or x.user.is_halted:
+        return False
+    return x.along > -STANDING_SPEED and _same_way(situation, x)
 
 
 def _same_way(situation: Situation, x: PathObstacle) -> bool:
