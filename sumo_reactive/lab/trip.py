@@ -201,7 +201,8 @@ class Trip:
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
         """Return where to show the ego besides, at two places at most."""
         drive, edges = step.drive, self._driving.route.edges
-        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped)
+        before = self._driving.drive.ego
+        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped, before)
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
             behind = left_behind(by, turn, edges[turn.from_index :])

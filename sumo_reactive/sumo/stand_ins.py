@@ -42,7 +42,8 @@ _SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
 
 
 class Occupant(NamedTuple):
-    """Who occupies lanes: an ego on segment `here` of its plan, which SUMO has last had on lane `mapped` (empty: none)."""
+    """Who occupies lanes: an ego on segment `here` of its plan, which SUMO has last had on lane `mapped` (empty: none), when
+    it was as `before` (None: nobody knows)."""
 
     graph: RoadGraph
     plan: NominalPlan
@@ -50,6 +51,7 @@ class Occupant(NamedTuple):
     ego: VehicleState
     limits: VehicleLimits
     mapped: str = ""
+    before: VehicleState | None = None
 
     @property
     def front(self) -> tuple[float, float]:
@@ -111,12 +113,24 @@ def mapped_elsewhere(by: Occupant, s: float, edges: tuple[str, ...]) -> Occupied
     """Return where to show an ego whom SUMO has on the lane beside its own, or on a lane of a junction that its plan does
     not use, so that those behind it see its rear; None: SUMO has it where it drives. `s`: where its front axle is, m of C;
     `edges`: its route."""
-    if any(lane is not None and lane.id == by.mapped for lane in by.graph.neighbours(by.here.lane_id)):
-        return OccupiedLane(by.graph.lanes[by.here.lane_id], *by.front, by.ego.speed, edges[by.here.route_index :])
+    beside = next((one for one in by.graph.neighbours(by.here.lane_id) if one is not None and one.id == by.mapped), None)
+    if beside is not None:
+        own = by.graph.lanes[by.here.lane_id]
+        shown = OccupiedLane(own, *by.front, by.ego.speed, edges[by.here.route_index :])
+        return None if _comes_over(by, beside, own) else shown
     if not by.mapped.startswith(":") or any(segment.lane_id == by.mapped for segment in by.plan.segments):
         return None
     middle = segment_at(by.plan, s + by.limits.front_overhang - 0.5 * by.limits.length)
     return OccupiedLane(by.graph.lanes[middle.lane_id], *by.front, by.ego.speed, edges[middle.route_index :])
+
+
+def _comes_over(by: Occupant, mapped: Lane, own: Lane) -> bool:
+    """Whether the front comes nearer to the middle of its `own` lane than of the one where it is `mapped`, in this step."""
+    if by.before is None:
+        return False
+    fronts = front_of(by.before.pose, by.limits), by.front
+    was, is_still = (abs(mapped.spine.project(*one)[1]) < abs(own.spine.project(*one)[1]) for one in fronts)
+    return was and not is_still
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
