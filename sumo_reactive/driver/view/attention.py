@@ -9,7 +9,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
-from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
 from sumo_reactive.driver.view.leaders import ORDINARY_M
@@ -194,13 +194,16 @@ def foes_of(
     """Return who can reach a region of the plan's passages in `sight`, once for each region."""
     found: list[Foe] = []
     meanings = _meanings(graph, plan, limits, sight) if sight else {}
+    of_long = dict[Body, Mapping[str, tuple[_Meaning, ...]]]()
     for user in (*traffic.users, *traffic.beside) if meanings else ():
-        length = user.body.length
-        known = meanings if length <= ORDINARY_M else _meanings(graph, plan, limits, sight, size_of(user.body))
+        body, known = user.body, meanings
+        length = body.length
+        if length > ORDINARY_M:
+            known = of_long.get(body) or of_long.setdefault(body, _meanings(graph, plan, limits, sight, size_of(body)))
         watched = known.get(user.lane_id)
         if watched is None:
             continue
-        at, is_person, route = user.lane_position, user.body.is_person, user.route
+        at, is_person, route = user.lane_position, body.is_person, user.route
         for passage, conflict, distance, edges, start, end in watched:
             if edges and route and edges != route[: len(edges)] and not (start < 0.0 and route == edges[:-1]):
                 continue  # who ends his trip before the line comes to what lies there all the same
