@@ -42,6 +42,7 @@ from sumo_reactive.sumo.stand_ins import (
     ahead_of_mapping,
     left_behind,
     mapped_elsewhere,
+    mapped_next,
     occupied_lane,
 )
 from sumo_reactive.sumo.vehicle_type import front_of
@@ -201,8 +202,8 @@ class Trip:
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
         """Return where to show the ego besides, at two places at most."""
         drive, edges = step.drive, self._driving.route.edges
-        before = self._driving.drive.ego
-        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped, before)
+        by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped)
+        by = by._replace(mapped=mapped_next(by, self._driving.drive.ego))
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
             behind = left_behind(by, turn, edges[turn.from_index :])

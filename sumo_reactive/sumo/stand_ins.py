@@ -42,8 +42,7 @@ _SILENT_DEVICES = ("tripinfo", "fcd", "vehroute", "ssm", "emissions", "battery")
 
 
 class Occupant(NamedTuple):
-    """Who occupies lanes: an ego on segment `here` of its plan, which SUMO has last had on lane `mapped` (empty: none), when
-    it was as `before` (None: nobody knows)."""
+    """Who occupies lanes: an ego on segment `here` of its plan, which SUMO has on lane `mapped` (empty: none)."""
 
     graph: RoadGraph
     plan: NominalPlan
@@ -51,7 +50,6 @@ class Occupant(NamedTuple):
     ego: VehicleState
     limits: VehicleLimits
     mapped: str = ""
-    before: VehicleState | None = None
 
     @property
     def front(self) -> tuple[float, float]:
@@ -62,6 +60,18 @@ class Occupant(NamedTuple):
         """Return the point `way` m behind the front on the body's axis, m."""
         (x, y), heading = self.front, self.ego.pose.heading
         return x - way * math.cos(heading), y - way * math.sin(heading)
+
+
+def mapped_next(by: Occupant, before: VehicleState) -> str:
+    """Return the lane that SUMO will have the ego on after a step from `before`: the one of C if the front comes nearer to
+    its middle in this step than to that of the lane beside where it is mapped, else as it is."""
+    own = by.graph.lanes[by.here.lane_id]
+    beside = next((one for one in by.graph.neighbours(own.id) if one is not None and one.id == by.mapped), None)
+    if beside is None:
+        return by.mapped
+    fronts = front_of(before.pose, by.limits), by.front
+    was, is_still = (abs(beside.spine.project(*one)[1]) < abs(own.spine.project(*one)[1]) for one in fronts)
+    return own.id if was and not is_still else by.mapped
 
 
 class OccupiedLane(NamedTuple):
@@ -113,24 +123,12 @@ def mapped_elsewhere(by: Occupant, s: float, edges: tuple[str, ...]) -> Occupied
     """Return where to show an ego whom SUMO has on the lane beside its own, or on a lane of a junction that its plan does
     not use, so that those behind it see its rear; None: SUMO has it where it drives. `s`: where its front axle is, m of C;
     `edges`: its route."""
-    beside = next((one for one in by.graph.neighbours(by.here.lane_id) if one is not None and one.id == by.mapped), None)
-    if beside is not None:
-        own = by.graph.lanes[by.here.lane_id]
-        shown = OccupiedLane(own, *by.front, by.ego.speed, edges[by.here.route_index :])
-        return None if _comes_over(by, beside, own) else shown
+    if any(lane is not None and lane.id == by.mapped for lane in by.graph.neighbours(by.here.lane_id)):
+        return OccupiedLane(by.graph.lanes[by.here.lane_id], *by.front, by.ego.speed, edges[by.here.route_index :])
     if not by.mapped.startswith(":") or any(segment.lane_id == by.mapped for segment in by.plan.segments):
         return None
     middle = segment_at(by.plan, s + by.limits.front_overhang - 0.5 * by.limits.length)
     return OccupiedLane(by.graph.lanes[middle.lane_id], *by.front, by.ego.speed, edges[middle.route_index :])
-
-
-def _comes_over(by: Occupant, mapped: Lane, own: Lane) -> bool:
-    """Whether the front comes nearer to the middle of its `own` lane than of the one where it is `mapped`, in this step."""
-    if by.before is None:
-        return False
-    fronts = front_of(by.before.pose, by.limits), by.front
-    was, is_still = (abs(mapped.spine.project(*one)[1]) < abs(own.spine.project(*one)[1]) for one in fronts)
-    return was and not is_still
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

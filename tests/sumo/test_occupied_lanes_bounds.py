@@ -217,14 +217,13 @@ def test_an_ego_whom_sumo_has_on_the_lane_beside_is_shown_on_its_own(road, mappe
     assert seen == (OccupiedLane(road.lanes["ab_1"], pytest.approx(60.0), -3.0, 5.0, EDGES) if is_shown else None)
 
 
-@pytest.mark.parametrize(("y_before", "y", "is_shown"), [(-3.5, -3.0, False), (-4.0, -3.5, True), (-3.0, -2.5, True)])
-def test_an_ego_that_comes_over_from_the_lane_where_sumo_has_it_is_not_shown_where_sumo_will_have_it(
-    road, y_before, y, is_shown
-):
+@pytest.mark.parametrize(("y_before", "y", "mapped"), [(-3.5, -3.0, "ab_1"), (-4.0, -3.5, "ab_0"), (-3.0, -2.5, "ab_0")])
+def test_sumo_has_an_ego_on_its_own_lane_as_soon_as_it_has_come_over(road, y_before, y, mapped):
     """The line between both lanes is at -3.2 m; a front that was nearer to its own already is mapped by another rule."""
     plan = SimpleNamespace(segments=[LaneSegment(lane_id="ab_1", start=0.0, end=300.0, lane_offset=0.0, route_index=0)])
-    by = Occupant(road, plan, plan.segments[0], ego_at(60.0, y), CAR, "ab_0", ego_at(59.0, y_before))
-    assert (stand_ins.mapped_elsewhere(by, 60.0, EDGES) is not None) is is_shown
+    by = Occupant(road, plan, plan.segments[0], ego_at(60.0, y), CAR, "ab_0")
+    assert stand_ins.mapped_next(by, ego_at(59.0, y_before)) == mapped
+    assert (stand_ins.mapped_elsewhere(by._replace(mapped=mapped), 60.0, EDGES) is None) is (mapped == "ab_1")
 
 
 TURN = Turnaround(
