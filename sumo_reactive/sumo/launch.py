@@ -44,6 +44,7 @@ OVERRIDES = {
     "collision.action": ("warn", "teleport"),
     "collision.check-junctions": ("true", "false"),
     "collision.mingap-factor": ("0", "-1"),
+    "collision.stoptime": ("0", "0"),
     "ignore-junction-blocker": ("-1", "-1"),
     "random": ("false", "false"),
 }

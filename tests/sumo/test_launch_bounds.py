@@ -48,6 +48,7 @@ def test_a_scenario_that_says_nothing_is_changed_where_sumos_defaults_hide_harm(
         ("random", "false", False), ("random", "True", True), ("random", " FALSE ", False),
         ("collision.action", " Warn", False), ("collision.action", "none", True),
         ("collision.check-junctions", "yes", False), ("collision.check-junctions", "no", True),
+        ("collision.stoptime", "0", False), ("collision.stoptime", "1000", True),
         ("remote-port", "0", False), ("remote-port", "8813", True),
     ],
 )  # fmt: skip
