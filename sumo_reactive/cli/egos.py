@@ -37,4 +37,5 @@ def rule_asked(
         corners = region_of([float(value) for value in region.split(",")]) if region is not None else None
     except ValueError as error:
         raise typer.BadParameter(f"{region!r} is not four numbers", param_hint="--ego-region") from error
-    return several(EgoRule(tuple(ids), tuple(types or ()), tuple(classes or ()), corners, share))
+    kinds = {"types": tuple(types or ()), "classes": tuple(classes or ())}
+    return several(EgoRule(ids=tuple(ids), **kinds, region=corners, share=share))

@@ -12,7 +12,7 @@ Region = tuple[float, float, float, float]
 """x and y of one corner of a rectangle, and of the opposite one, m."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EgoRule:
     """Every vehicle of these `ids`, and a `share` of all road cars, is an ego: of those of these `types` and vehicle
     `classes` that depart within `region`, as far as these are named; a rule that names some and no share means all of them.

@@ -159,9 +159,10 @@ class KindKeys(TomlTable):
     @property
     def rules(self) -> tuple[EgoRule, ...]:
         """A rule for each share; none if the file names neither a share nor a kind."""
-        kinds = tuple(self.types), tuple(self.classes), region_of(self.region) if self.region else None
+        region = region_of(self.region) if self.region else None
+        of_kind = EgoRule(types=tuple(self.types), classes=tuple(self.classes), region=region)
         shares: list[float | None] = [*self.share] if self.share else [None]
-        return tuple(EgoRule((), *kinds, share) for share in shares) if self.first_kind else ()
+        return tuple(replace(of_kind, share=share) for share in shares) if self.first_kind else ()
 
 
 class RuleKeys(KindKeys):
@@ -174,7 +175,7 @@ class RuleKeys(KindKeys):
     def rules(self) -> tuple[EgoRule, ...]:
         """A rule for each share; none if the file names nobody."""
         ids = tuple(self.names)
-        return tuple(replace(rule, ids=ids) for rule in super().rules) or ((EgoRule(ids),) if ids else ())
+        return tuple(replace(rule, ids=ids) for rule in super().rules) or ((EgoRule(ids=ids),) if ids else ())
 
 
 class ScenarioKeys(TomlTable):

@@ -121,7 +121,10 @@ def _rule_in(given: Mapping[str, Sequence[str]]) -> EgoRule:
     """Return the rule that options say; raise ValueError for what is no number."""
     types, classes, region, share = (given.get(option, ()) for option in _OF_RULE)
     corners = region_of([float(one) for one in region[-1].split(",")]) if region else None
-    return EgoRule(tuple(given.get("--ego", ())), tuple(types), tuple(classes), corners, float(share[-1]) if share else None)
+    return EgoRule(
+        ids=tuple(given.get("--ego", ())), types=tuple(types), classes=tuple(classes), region=corners,
+        share=float(share[-1]) if share else None,
+    )  # fmt: skip
 
 
 def rule_words(rule: EgoRule | None) -> list[str]:

@@ -138,7 +138,7 @@ def test_a_bad_file_gets_one_line_that_names_it_and_the_place(tmp_path, text, pl
 def test_several_egos_are_a_rule_for_each_share(tmp_path):
     kinds = 'types = ["car"]\nregion = [0, 0, 9, 9]\nnames = ["a"]\n'
     file = load_scenario_file(_file(tmp_path, f"{HEAD}[egos]\nshare = [0.1, 0.5]\n{kinds}"))
-    rule = EgoRule(("a",), ("car",), (), (0.0, 0.0, 9.0, 9.0))
+    rule = EgoRule(ids=("a",), types=("car",), region=(0.0, 0.0, 9.0, 9.0))
     assert file.rules == file.variants == (replace(rule, share=0.1), replace(rule, share=0.5))
     assert file.scenario.egos == file.rules[0]
     alone = load_scenario_file(_file(tmp_path, HEAD))

@@ -34,7 +34,8 @@ scenarios = some.fixed_dictionaries({
 word = some.text("abc #'\"$é.", min_size=1).filter(lambda name: not name.startswith("-"))
 words = some.lists(word, unique=True).map(tuple)
 corners = some.none() | some.tuples(*[some.floats(-1e5, 1e5)] * 4)
-rules = some.builds(EgoRule, words, words, words, corners, some.none() | some.floats(0.0, 1.0)).filter(several)
+shares = some.none() | some.floats(0.0, 1.0)
+rules = some.builds(EgoRule, ids=words, types=words, classes=words, region=corners, share=shares).filter(several)
 
 
 @settings(max_examples=100, deadline=None)

@@ -103,7 +103,7 @@ def test_a_driver_is_told_its_mission_and_the_end(monkeypatch):
 
 def test_each_ego_of_several_gets_a_driver_of_its_own():
     scenario = replace(driven_by("wayward:Obedient"), until_s=30.0)
-    fleet = run_fleet(scenario, EgoRule(("ego", "west_east.1")))
+    fleet = run_fleet(scenario, EgoRule(ids=("ego", "west_east.1")))
     assert {one.ego for one in fleet.results} == {"ego", "west_east.1"}
     assert {one.profile for one in fleet.results} == {"wayward:Obedient"}
 
