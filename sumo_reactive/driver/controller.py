@@ -12,7 +12,8 @@ from sumo_reactive.driver.field.executor import Execution, execute
 from sumo_reactive.driver.field.valley_map import MAP_MARGIN_M, MAP_SIDE_M, NO_MAP, ValleyMap, valley_map
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.event import Event
+from sumo_reactive.driver.nouns.decision import Behaviour
+from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.forecast import Outlook
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
@@ -179,7 +180,8 @@ class Controller:
             return snapshot, drive.completed, memory, 0
         if not has_foes:
             snapshot = self._with_foes(snapshot, traffic, plan)
-        foreseen = outlook(traffic, snapshot, plan, self.graph, self.limits)
+        is_stuck = memory.behaviour is Behaviour.GIVING_WAY or any(one.kind is EventKind.NO_PROGRESS for one in events)
+        foreseen = outlook(traffic, snapshot, plan, self.graph, self.limits, looks_around=is_stuck)
         style = Style(self.profile is Profile.PAPER, self.delays)
         view = view_of(snapshot, plan, self.limits, ahead)
         completed, memory = self.parts.pilot(view, foreseen, events, memory, style)

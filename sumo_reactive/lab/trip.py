@@ -196,6 +196,7 @@ class Trip:
         lane = self._driving.graph.lanes[here.lane_id] if drive.plan.aside is None else None
         is_unmapped = here.lane_id in self._unmapped
         self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_unmapped)
+        self._ego.let_go(step.completed.let_go)
         self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
         self._show(*self._occupied(step, here))
 

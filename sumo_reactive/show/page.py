@@ -37,7 +37,7 @@ BEHAVIOUR_COLOURS = {
     Behaviour.NORMAL: "#0072b2", Behaviour.CAUTIOUS: "#e69f00", Behaviour.OVERTAKING: "#cc79a7",
     Behaviour.STOPPING: "#d55e00", Behaviour.CROSSING: "#009e73", Behaviour.CHANGING_LANES: "#56b4e9",
     Behaviour.CHANGING_QUEUES: "#8a8f2a", Behaviour.TURNING_ROUND: "#7a5fb5", Behaviour.BACKING_UP: "#a0522d",
-    Behaviour.TAKING_ANOTHER_WAY: "#5f6b75",
+    Behaviour.TAKING_ANOTHER_WAY: "#5f6b75", Behaviour.GIVING_WAY: "#b8860b",
 }  # fmt: skip
 
 UNTOLD = "driving"

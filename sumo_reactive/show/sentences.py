@@ -30,6 +30,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.GAP_SOUGHT: "a gap on the lane beside is looked for anew",
     EventKind.PASS_TRIED: "whether somebody ahead can be passed is tried out anew",
     EventKind.NO_PROGRESS: "the ego does not get on, though nobody has the right to block it",
+    EventKind.LOCKED: "no rule holds it",
     EventKind.MOVE_ENDED: "a move of the turn is over",
     EventKind.PROGRESS: "the ego gets on again",
 }
@@ -46,6 +47,7 @@ BEHAVIOURS: dict[Behaviour, str] = {
     Behaviour.STOPPING: "Stopping at a location", Behaviour.CROSSING: "Crossing the intersection",
     Behaviour.CHANGING_LANES: "Changing lanes", Behaviour.CHANGING_QUEUES: "Changing queues",
     Behaviour.TURNING_ROUND: "Turning round", Behaviour.BACKING_UP: "Backing up",
+    Behaviour.GIVING_WAY: "Giving way",
     Behaviour.TAKING_ANOTHER_WAY: "Taking another way",
 }  # fmt: skip
 
@@ -160,6 +162,10 @@ REASONS: dict[Reason, Wording] = {
     Reason.NO_PROGRESS: Wording(
         "looks for a way out, since nobody has the right to block it, yet it does not get on",
         "goes on, since nobody has the right to block it",
+    ),
+    Reason.MUTUAL_WAIT: Wording(
+        "backs up, since {cause} and it keep each other from going",
+        "lets {cause} go first, since each waits for the other",
     ),
 }
 

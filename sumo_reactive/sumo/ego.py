@@ -51,6 +51,9 @@ _BEFORE_END_M = 0.005
 """What stands on the end of its lane is put this far before it: at the end itself SUMO has it in the junction, where it
 would keep off others while it waits at red."""
 
+_IGNORED = "junctionModel.ignoreIDs"
+"""SUMO's parameter of a vehicle: ids, with spaces between, of those for whom it does not wait inside junctions."""
+
 _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
 
@@ -77,6 +80,7 @@ class Ego:
         self.route = self._read_route()
         self._standing = 0.0
         self._unmapped = False
+        self._let_go: dict[str, str] = {}
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
         self._asks = False
@@ -149,6 +153,18 @@ class Ego:
         if state.speed <= 0.0 and self._is_on_line():
             x, y = x - _BEFORE_END_M * math.cos(state.pose.heading), y - _BEFORE_END_M * math.sin(state.pose.heading)
         libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
+
+    def let_go(self, users: tuple[str, ...]) -> None:
+        """Let these go first in a junction although they would wait for the standing ego, and nobody else any more."""
+        for user in self._let_go.keys() - set(users):
+            with contextlib.suppress(libsumo.TraCIException):  # he has left
+                libsumo.vehicle.setParameter(user, _IGNORED, self._let_go[user])
+            del self._let_go[user]
+        for user in users:
+            if user not in self._let_go:
+                with contextlib.suppress(libsumo.TraCIException):
+                    self._let_go[user] = before = libsumo.vehicle.getParameter(user, _IGNORED)
+                    libsumo.vehicle.setParameter(user, _IGNORED, f"{before} {self.id}".strip())
 
     def _is_on_line(self) -> bool:
         """Whether SUMO has the front on the end of a lane before a junction, to less than the ego may be put amiss."""
@@ -280,10 +296,12 @@ class Ego:
 
     def arrive(self) -> None:
         """Take the ego off the road as arrived, so that SUMO's outputs hold its trip."""
+        self.let_go(())
         libsumo.vehicle.remove(self.id, _REMOVE_ARRIVED)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
+        self.let_go(())
         give_back(self.id)
 
     def _refuse_oncoming_side(self) -> None:

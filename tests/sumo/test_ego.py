@@ -312,3 +312,35 @@ def test_the_time_lost_and_the_place_on_the_lane_are_sumos(tmp_path):
         assert ego.time_loss() == libsumo.vehicle.getTimeLoss("ego") > 1.0
         graph = read_net(tmp_path / "n.net.xml").build(ROUTE)
         assert ego.lane_position(graph, "wc_0") == pytest.approx(libsumo.vehicle.getLanePosition("ego"), abs=0.01)
+
+
+def test_who_is_let_go_does_not_wait_for_the_ego_in_a_junction_as_long_as_it_is(tmp_path):
+    other = '<vehicle id="other" depart="0"><route edges="nc cs"/><param key="junctionModel.ignoreIDs" value="z"/></vehicle>'
+    with on_cross(tmp_path, before=other) as (ego, _):
+
+        def ignored():
+            return libsumo.vehicle.getParameter("other", "junctionModel.ignoreIDs")
+
+        seen = []
+        for users in (("other", "gone"), ("other",), (), ("other",)):
+            ego.let_go(users)
+            seen.append(ignored())
+        assert seen == ["z ego", "z ego", "z", "z ego"]
+        ego.take_over(0.1)
+        ego.release()
+        assert ignored() == "z"
+
+
+@pytest.mark.parametrize("is_let_go", [True, False])
+def test_sumo_lets_somebody_pass_who_is_let_go_though_the_ego_stands_in_the_junction(tmp_path, is_let_go):
+    other = '<vehicle id="other" depart="0" departPos="60"><route edges="nc cs"/></vehicle>'
+    with on_cross(tmp_path, before=other) as (ego, lane):
+        ego.take_over(0.1)
+        state = VehicleState(pose_of(-2.0, LANE_Y, 0.0, ego.limits), 0.0, 0.0)
+        for k in range(300):
+            ego.place(state, Intent.YIELD, 0.1, lane)
+            if k > 200 and is_let_go:
+                ego.let_go(("other",))
+            libsumo.simulationStep()
+        left = "other" not in libsumo.vehicle.getIDList() or libsumo.vehicle.getLaneID("other") == "cs_0"
+        assert left is is_let_go

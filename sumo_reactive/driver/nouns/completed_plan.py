@@ -82,7 +82,8 @@ class CompletedPlan:
     `constraints` is all that limits the ego beside the road and the bodies ahead: the adjusted (l, t_l) of P, places to
     stop at, the vehicle to fall in behind. `sight` (m) asks perception to look so far ahead along the oncoming lane.
     `events` activated the pilot, `assessment` is what it foresaw, `regions` the conflict regions on the way: all as of its
-    last activation. `move`: the arc to drive instead of C, in a turn in several moves.
+    last activation. `move`: the arc to drive instead of C, in a turn in several moves. `let_go`: whom a standing ego lets go
+    although they would wait for it.
     """
 
     plan: NominalPlan
@@ -99,6 +100,7 @@ class CompletedPlan:
     regions: tuple[RegionState, ...] = ()
     rooms: tuple[PostConflictState, ...] = ()
     move: Move | None = None
+    let_go: tuple[str, ...] = ()
 
     @cached_property
     def hard(self) -> tuple[TimeConstraint, ...]:

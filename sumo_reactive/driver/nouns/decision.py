@@ -19,6 +19,7 @@ class Behaviour(Enum):
     CHANGING_QUEUES = "changing queues"
     TURNING_ROUND = "turning round"
     BACKING_UP = "backing up"
+    GIVING_WAY = "giving way"
     TAKING_ANOTHER_WAY = "taking another way"
 
 
@@ -69,6 +70,7 @@ class Reason(Enum):
     FOLLOWS = "somebody slower is ahead"
     NO_ROOM_TO_PASS = "somebody ahead is slow or has halted, and there is no gap to pass"
     NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"
+    MUTUAL_WAIT = "the ego and others wait for each other"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

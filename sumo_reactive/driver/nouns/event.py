@@ -30,6 +30,7 @@ class EventKind(Enum):
     GAP_SOUGHT = "a gap on the lane beside is looked for anew"
     PASS_TRIED = "whether somebody ahead can be passed is tried out anew"
     NO_PROGRESS = "no progress, though nobody has the right to block the ego"
+    LOCKED = "no rule holds the ego that does not get on"
     MOVE_ENDED = "a move of a turn is over"
     PROGRESS = "the ego gets on again after an escape"
 

@@ -11,6 +11,7 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.pilot.behaviours.backing_up import is_right
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
 from sumo_reactive.driver.pilot.behaviours.turning_round import is_in_reach
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
@@ -151,6 +152,8 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
             found.append(Event(EventKind.TIME_REACHED, held.stop.cause if held.stop else ""))
     if now - memory.progress_time > snapshot.parameters.no_progress_s * (memory.escapes + 1):
         found.append(Event(EventKind.NO_PROGRESS))
+        if not is_right(held.stop, snapshot.front):
+            found.append(Event(EventKind.LOCKED))
     if held.move is not None and held.move.is_over(snapshot.ego):
         found.append(Event(EventKind.MOVE_ENDED))
     if memory.escapes == 0 and held.instruction is Instruction.WIDEN:

@@ -70,6 +70,7 @@ class PilotMemory(NamedTuple):
     since when (s); `lost`: that before which the ego has stood through a whole green (empty: none). `move`: which of
     the plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
     light is yellow, each since when (s). `kept`: foes who stand because they let somebody pass, each until when (s).
+    `let_go`: whom the ego lets go although they would wait for it.
     """
 
     standing_since: float | None = None
@@ -91,6 +92,7 @@ class PilotMemory(NamedTuple):
     move: tuple[int, int] | None = None
     yellows: tuple[tuple[str, float], ...] = ()
     kept: tuple[tuple[str, float], ...] = ()
+    let_go: tuple[str, ...] = ()
 
     def with_released(self, connection_id: str, since: float) -> PilotMemory:
         """Return the memory of by which connection the ego may go next (empty: none), since when (s)."""

@@ -21,6 +21,7 @@ from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import merge_early, seek_gap
 from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
+from sumo_reactive.driver.pilot.behaviours.giving_way import give_way
 from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
 from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
 from sumo_reactive.driver.pilot.behaviours.turning_round import is_near as turn_is_near
@@ -47,7 +48,7 @@ class Style(NamedTuple):
 
 class Orders(NamedTuple):
     """What the pilot orders: instruction, every place to stop at, what it asks of the planner, why; the memory of it; a
-    speed not to exceed (m/s), and why not."""
+    speed not to exceed (m/s), and why not; whom a standing ego lets go."""
 
     instruction: Instruction
     stops: tuple[TimeConstraint, ...]
@@ -56,6 +57,7 @@ class Orders(NamedTuple):
     memory: PilotMemory
     top_speed: float = math.inf
     slow_because: Reason = Reason.GAP_LOST
+    let_go: tuple[str, ...] = ()
 
 
 def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
@@ -239,7 +241,8 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
 
 def _escaping(situation: Situation, orders: Orders) -> Orders:
     """Return the orders with a way out of a local minimum, if the ego is in one."""
-    way, memory = escape(situation) if situation.limits.parameters.has(Mechanism.ESCAPE) else None, orders.memory
+    may_escape, memory = situation.limits.parameters.has(Mechanism.ESCAPE), orders.memory._replace(let_go=())
+    way = (give_way(situation) or escape(situation)) if may_escape else None
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
     if way is None:
         return orders._replace(memory=memory._replace(progress_time=situation.snapshot.time)) if due else orders
@@ -250,9 +253,10 @@ def _escaping(situation: Situation, orders: Orders) -> Orders:
         stops=orders.stops if way.stop is None else (way.stop,),
         request=orders.request if orders.request.what is not Replanning.NOTHING else Request(what=way.replanning),
         decisions=(*(d for d in orders.decisions if d.reason is not way.decision.reason), way.decision),
-        memory=memory,
+        memory=memory._replace(let_go=way.let_go),
         top_speed=way.top_speed,
         slow_because=way.decision.reason,
+        let_go=way.let_go,
     )
 
 
@@ -278,6 +282,7 @@ def _completed(
         events=situation.events,
         regions=rules.regions,
         rooms=rules.rooms,
+        let_go=orders.let_go,
     )
 
 

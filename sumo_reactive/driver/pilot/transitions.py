@@ -10,6 +10,7 @@ from sumo_reactive.driver.pilot.behaviours import (
     changing_lanes,
     changing_queues,
     crossing,
+    giving_way,
     normal,
     overtaking,
     stopping,
@@ -22,11 +23,11 @@ RULES: dict[Behaviour, BehaviourRule] = {
     module.RULE.behaviour: module.RULE
     for module in (
         normal, cautious, overtaking, stopping, crossing, changing_lanes, changing_queues, turning_round, backing_up,
-        taking_another_way,
+        giving_way, taking_another_way,
     )
 }  # fmt: skip
 
-_URGENT = (Behaviour.TURNING_ROUND, Behaviour.BACKING_UP)
+_URGENT = (Behaviour.TURNING_ROUND, Behaviour.BACKING_UP, Behaviour.GIVING_WAY)
 _MANOEUVRES = (Behaviour.OVERTAKING, Behaviour.CHANGING_LANES, Behaviour.CHANGING_QUEUES)
 
 TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
@@ -41,6 +42,7 @@ TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
     Behaviour.CHANGING_QUEUES: (*_URGENT, Behaviour.CROSSING, Behaviour.OVERTAKING, Behaviour.CHANGING_LANES),
     Behaviour.TURNING_ROUND: (),
     Behaviour.BACKING_UP: (Behaviour.OVERTAKING,),
+    Behaviour.GIVING_WAY: (),
     Behaviour.TAKING_ANOTHER_WAY: (Behaviour.CROSSING,),
 }  # fmt: skip
 """From each behaviour to those that may follow at once, the most pressing first; whichever has ended gives way to normal."""

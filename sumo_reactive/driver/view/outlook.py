@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
+from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Points
-from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Outlook
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Kept, Outlook
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
@@ -17,15 +19,17 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import SAFE_GAP_M
 from sumo_reactive.driver.view.attention import ATTENTION_MIN_AHEAD_M
 from sumo_reactive.driver.view.beside import lanes_beside, queues
-from sumo_reactive.driver.view.foresee import FORECAST_REACH_M, foresee, paths_ahead
+from sumo_reactive.driver.view.foresee import FORECAST_REACH_M, foresee, paths_ahead, places_after
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 
 def outlook(
-    traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits
-) -> Outlook:
+    traffic: Traffic, snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits,
+    *, looks_around: bool = False,
+) -> Outlook:  # fmt: skip
     """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), the lanes
-    beside it and the queues there if there is anybody to pass, and who comes over the ground of a turn in several moves."""
+    beside it and the queues there if there is anybody to pass, and who comes over the ground of a turn in several moves;
+    and whom an ego that does not get on and `looks_around` may keep from going."""
     front, p = snapshot.front, limits.parameters
     users, duration = _concerned(snapshot), p.assessed_s
     if traffic.sight > 0.0:
@@ -38,7 +42,8 @@ def outlook(
     waiting = queues(traffic, snapshot, plan, here, graph) if passing and here is not None else ()
     comes_over = who_comes_over(traffic.users, snapshot, plan, graph, limits) if plan.turnarounds else ""
     sight = max(traffic.sight, ATTENTION_MIN_AHEAD_M)
-    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, comes_over)
+    kept = tuple(kept_by(traffic.users, snapshot, graph, limits)) if looks_around else ()
+    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, comes_over, kept)
 
 
 def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
@@ -49,6 +54,50 @@ def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
     pose, time = snapshot.ego.pose, snapshot.parameters.assessed_s
     reach = time * snapshot.ego.speed + ATTENTION_MIN_AHEAD_M / 2
     return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + time * u.speed))
+
+
+KEPT_WITHIN_M = 20.0
+"""Who is farther away, front to front, does not wait for a standing ego."""
+
+KEPT_S = 10.0
+"""Who has stood for less may be about to go anyway."""
+
+_PAST_M, _PAST_STEP_M = 15.0, 0.5
+"""Who goes on is looked at so far along his way, in such steps: past a car…"""
+
+_APART_M, _BY_M = 0.1, 3.0
+"""…from which he keeps at least so far; who keeps so far from the ego does not wait for it."""
+
+
+def kept_by(
+    users: tuple[RoadUser, ...], snapshot: Snapshot, graph: RoadGraph, limits: VehicleLimits
+) -> Iterator[Kept]:
+    """Yield the vehicles that have not halted and whose ways lead by a standing ego, those behind it left out, and whether
+    each could go on without touching it."""
+    ego, reach = snapshot.ego.pose, limits.front_to_rear_axle
+    front, middle = ego.ahead(reach), ego.ahead(reach - 0.5 * limits.length)
+    for user in users:
+        away = user.x - front[0], user.y - front[1]
+        if user.is_halted or user.body.is_person or math.hypot(*away) > KEPT_WITHIN_M:
+            continue
+        ahead = away[0] * math.cos(ego.heading) + away[1] * math.sin(ego.heading)
+        if ahead < -limits.length and math.cos(user.heading - ego.heading) > 0.0:
+            continue
+        ways = np.arange(_PAST_STEP_M, _PAST_M + user.body.length, _PAST_STEP_M)
+        places = [place for way in ways for place in places_after(graph, user._replace(speed=1.0), way)[1:]]
+        comes_by, touches = (
+            any(_touches((*middle, ego.heading, limits.length + 2.0 * m, limits.width + 2.0 * m), place) for place in places)
+            for m in (_BY_M, _APART_M)
+        )
+        if comes_by:
+            yield Kept(user.id, user.waiting_time >= KEPT_S, not touches)
+
+
+def _touches(own: tuple[float, float, float, float, float], place: tuple[float, ...]) -> bool:
+    """Whether a box (middle x, y, heading, length, width) overlaps a place (front x, y, heading, speed, length, width)."""
+    x, y, heading, _, length, width = place
+    half = 0.5 * length
+    return boxes_overlap(*own, x - half * math.cos(heading), y - half * math.sin(heading), heading, length, width)
 
 
 _POSE_STEP_M = 0.5

@@ -235,7 +235,7 @@ def test_want_of_progress_is_an_event(alone):
     still = {"progress_s": first.snapshot.s, "progress_time": 100.0, "delay": 1000.0}
     assert events_after(alone.at_speed(0.0), first, time=100.0 + USUAL.no_progress_s, **still) == ()
     found = events_after(alone.at_speed(0.0), first, time=100.1 + USUAL.no_progress_s, **still)
-    assert found == (Event(EventKind.NO_PROGRESS),)
+    assert found == (Event(EventKind.NO_PROGRESS), Event(EventKind.LOCKED))
 
 
 def test_a_lane_change_that_comes_into_reach_makes_the_pilot_look_at_the_other_lane():

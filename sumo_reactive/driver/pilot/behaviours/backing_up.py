@@ -24,7 +24,7 @@ _TOO_NEAR_M = 1.5
 _BACKED_UP_M = 0.02
 """…until it is no nearer than by this."""
 
-_NO_RIGHT = (Reason.BLOCKED, Reason.NO_GAP)
+_NO_RIGHT = (Reason.BLOCKED, Reason.NO_GAP, Reason.MUTUAL_WAIT)
 """Stops for these reasons are nobody's right."""
 
 _KEPT_WITHIN_M = 10.0
@@ -35,14 +35,15 @@ _SQUEEZING_SPEED = 1.0
 
 
 class Escape(NamedTuple):
-    """A way out of a local minimum: an instruction, a stop that goes with it, a new curve, a speed not to exceed (m/s); and
-    the decision behind it."""
+    """A way out of a local minimum: an instruction, a stop that goes with it, a new curve, a speed not to exceed (m/s), whom
+    the ego lets go; and the decision behind it."""
 
     decision: Decision
     instruction: Instruction | None = None
     stop: TimeConstraint | None = None
     replanning: Replanning = Replanning.NOTHING
     top_speed: float = math.inf
+    let_go: tuple[str, ...] = ()
 
 
 def room_behind(situation: Situation) -> TimeConstraint | None:
@@ -71,7 +72,7 @@ def escape(situation: Situation) -> Escape | None:
         decision = Decision(behaviour=Behaviour.BACKING_UP, reason=Reason.BLOCKED, cause=x.user.id)
         return Escape(decision, Instruction.BACK_UP, stop)
     due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
-    if not (due or situation.memory.escapes > 0) or _has_right(situation, x):
+    if not (due or situation.memory.escapes > 0) or has_right(situation, x):
         return None
     if x is not None and x.start - situation.snapshot.front < situation.limits.parameters.halted_room_m + 1.0:
         decision = Decision(behaviour=Behaviour.STOPPING, reason=Reason.BLOCKED, cause=x.user.id)
@@ -82,12 +83,19 @@ def escape(situation: Situation) -> Escape | None:
     return Escape(decision, Instruction.WIDEN, top_speed=_SQUEEZING_SPEED)
 
 
-def _has_right(situation: Situation, x: PathObstacle | None) -> bool:
+def is_right(stop: TimeConstraint | None, front: float) -> bool:
+    """Whether the ego, whose bumper is at `front` m of C, stands for a place to stop at that is somebody's right."""
+    return stop is not None and stop.s < front + _KEPT_WITHIN_M and stop.reason not in _NO_RIGHT
+
+
+def has_right(situation: Situation, x: PathObstacle | None) -> bool:
     """Whether a rule, or somebody who waits himself, keeps the ego where it is."""
-    stop, reach = situation.stop, situation.snapshot.front + _KEPT_WITHIN_M
-    if stop is not None and stop.s < reach and stop.reason not in _NO_RIGHT:
-        return True
-    if x is None or x.start >= reach or x.user.is_halted:
+    return is_right(situation.stop, situation.snapshot.front) or is_queued(situation, x)
+
+
+def is_queued(situation: Situation, x: PathObstacle | None) -> bool:
+    """Whether the ego stands behind somebody who drives its way and waits himself."""
+    if x is None or x.start >= situation.snapshot.front + _KEPT_WITHIN_M or x.user.is_halted:
         return False
     return x.along > -STANDING_SPEED and _same_way(situation, x)
 
@@ -106,7 +114,7 @@ def _is_too_near(situation: Situation, x: PathObstacle) -> bool:
     enough = situation.limits.parameters.halted_room_m - (_BACKED_UP_M if backing else _TOO_NEAR_M)
     if gap > enough or _would_back_into_junction(situation, x) or lateral_for(situation, passed(situation, x))[0] == 0.0:
         return False
-    return _is_free_behind(situation, situation.limits.parameters.halted_room_m - gap + BACK_UP_CLEAR_M)
+    return clear_behind(situation) >= situation.limits.parameters.halted_room_m - gap + BACK_UP_CLEAR_M
 
 
 def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
@@ -115,16 +123,16 @@ def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
     return any(passage.start < front and rear < passage.end for passage in situation.plan.passages)
 
 
-def _is_free_behind(situation: Situation, way: float) -> bool:
-    """Whether nobody is within `way` m behind the rear bumper, a lane's width to either side."""
-    pose, limits = situation.snapshot.ego.pose, situation.limits
+def clear_behind(situation: Situation) -> float:
+    """Return how far behind the rear bumper the next body is, a lane's width to either side, m (infinite: nobody near)."""
+    pose, limits, clear = situation.snapshot.ego.pose, situation.limits, math.inf
     c, s = math.cos(pose.heading), math.sin(pose.heading)
     for x, y, heading, _, length, width, *_ in situation.snapshot.boxes.tolist():
         mx, my = x - 0.5 * length * math.cos(heading) - pose.x, y - 0.5 * length * math.sin(heading) - pose.y
         behind = -(mx * c + my * s) - limits.rear_overhang - 0.5 * length
-        if -limits.length < behind < way and abs(my * c - mx * s) < 0.5 * (limits.width + width) + 0.5:
-            return False
-    return True
+        if behind > -limits.length and abs(my * c - mx * s) < 0.5 * (limits.width + width) + 0.5:
+            clear = min(clear, behind)
+    return clear
 
 
 def is_too_near(situation: Situation) -> bool:
