@@ -1,6 +1,7 @@
 """Where the ego waits inside a junction, until when it can, and where it trusts others to wait."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -12,7 +13,8 @@ from helpers.turning_points import turns_at
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, crossings
+from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, View, crossings
+from sumo_reactive.driver.pilot.rules.region import judgements
 from sumo_reactive.driver.pilot.rules.trust import LEAVES_AT, LEAVES_WITHIN_M
 from sumo_reactive.driver.view.ahead import passages_ahead
 
@@ -116,3 +118,29 @@ def test_who_has_come_to_its_place_and_gains_speed_there_is_no_longer_trusted_to
     place = to_its_place() - 0.5 * LEAVES_WITHIN_M
     turner = ego.other("x", part, place, 0.5, ("to_east",))._replace(acceleration=gains)
     assert (ego.stop(turner, lights=GREEN) is None) is goes_on
+
+
+def judged(*users, starts_earlier_by: float = 0.0) -> dict[str, bool]:
+    """Whether the ego goes before each oncoming one; the regions of `y` begin so much earlier, m."""
+    ego = turning_left()
+    snapshot = ego.seen(*users, lights=GREEN)
+    ahead = passages_ahead(ego.graph, ego.plan, ego.limits, snapshot.passages)
+    way = next(iter(crossings(snapshot, ego.plan, ahead)))
+    view = View(snapshot, ego.plan, ego.limits, ahead, (way,))
+
+    def moved(foe):
+        region = foe.conflict.region
+        own = replace(region.own, start=region.own.start - starts_earlier_by)
+        return foe._replace(conflict=foe.conflict._replace(region=replace(region, own=own)))
+
+    foes = tuple(moved(foe) if foe.user.id == "y" else foe for foe in snapshot.foes)
+    return {one.foe.user.id: one.passes for one, _ in judgements(way, foes, view, ego.memory)}
+
+
+def test_who_waits_inside_for_one_does_not_go_before_another_in_whose_region_it_would_stand():
+    ego = turning_left()
+    near = ego.other("x", "from_north_0", -25.0, 13.0, ("from_north", "to_south"))
+    later = ego.other("y", "from_north_0", -90.0, 8.0, ("from_north", "to_south"))
+    assert judged(later) == judged(later, starts_earlier_by=4.0) == {"y": True}
+    assert judged(near, later) == {"x": False, "y": True}
+    assert judged(near, later, starts_earlier_by=4.0) == {"x": False, "y": False}

@@ -75,17 +75,29 @@ class Counted(NamedTuple):
 def judgements(
     crossing: Crossing, foes: tuple[Foe, ...], view: View, memory: PilotMemory
 ) -> Iterator[tuple[Judgement, float | None]]:
-    """Yield what each of the `foes` who matter means for a passage, with the place (m of C) to wait for it (None: go on)."""
+    """Yield what each of the `foes` who matter means for a passage, with the place (m of C) to wait for it (None: go on).
+
+    Who waits for one of them in the region of another has not cleared that: it goes before him only if it need not wait.
+    """
     snapshot, limits = view.snapshot, view.limits
     theirs = (counted(foe, crossing, snapshot, memory, limits) for foe in foes if foe.passage == crossing.number)
     matter = [one for one in theirs if one is not None]
     if not matter:
         return
     motions = _motions(crossing, view)
-    for one in matter:
+
+    def judged(one: Counted, *, stands: bool) -> tuple[Judgement, float | None]:
         own = _foreseen(one.foe.conflict.region, crossing, motions, snapshot, limits)
+        own = own._replace(clearance=math.inf, merged=math.inf) if stands else own
         judgement = judge(one, own, crossing, snapshot, memory, limits)
-        yield judgement, None if judgement.passes else _place_to_wait(one.foe.conflict, crossing, snapshot, limits)
+        return judgement, None if judgement.passes else _place_to_wait(one.foe.conflict, crossing, snapshot, limits)
+
+    found = [judged(one, stands=False) for one in matter]
+    stands_at = min((place for _, place in found if place is not None), default=math.inf)
+    for one, (judgement, place) in zip(matter, found, strict=True):
+        region = one.foe.conflict.region
+        stands = crossing.at(region.own.start) < stands_at < crossing.at(region.post.start) + limits.length
+        yield judged(one, stands=True) if judgement.passes and stands else (judgement, place)
 
 
 def _motions(crossing: Crossing, view: View) -> Motions:
