@@ -13,6 +13,13 @@ from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 
 
+LONG_M = 8.0
+"""A body longer than this that turns away beside the ego swings its tail out, …"""
+
+ALONG = 0.5
+"""…if it heads where the ego does, to within the angle with this cosine."""
+
+
 @kernel
 def foreseen_pose(box: Floats, t: float, turn_rate: float) -> tuple[float, float, float]:
     """Return centre (m) and heading (rad) of a box (7) that has kept its speed and a turn rate (rad/s) for `t` s."""
@@ -54,7 +61,7 @@ def braking_collides(
 
     The others keep their speed. Who turns may go on turning or go straight on: only where both ways touch, braking is no
     matter of what he will do. A car that comes round a bend does not hit the ego, nor does one that waits to turn across its
-    path; that one is the pilot's matter. Who now has the front behind the ego's middle, or is touched only while the
+    path; that one is the pilot's matter. A long body beside that has begun to turn goes on. Who now has the front behind the ego's middle, or is touched only while the
     ego stands, has to look out himself; who leaves the road at the end of his way touches nobody behind it. `boxes` (n, 8):
     front x, y, heading, speed, length, width, turn rate (rad/s), way left (m).
     """
@@ -67,8 +74,11 @@ def braking_collides(
         for k in possible:
             if boxes[k, 3] * t > boxes[k, 7]:
                 continue
+            swings = boxes[k, 4] > LONG_M and boxes[k, 6] != 0.0 and math.cos(boxes[k, 2] - heading) > ALONG
             touched = True
             for turn_rate in (boxes[k, 6], 0.0):
+                if turn_rate == 0.0 and swings:
+                    continue
                 bx, by, bh = foreseen_pose(boxes[k], t, turn_rate)
                 touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5])
             if touched:

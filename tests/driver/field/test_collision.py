@@ -119,3 +119,14 @@ def test_who_leaves_the_road_before_they_meet_is_not_braked_for():
     arriving = (CAR.front_to_rear_axle + 2.0, -6.0, 0.5 * math.pi, 12.0, 4.3, 1.8)
     assert collides(6.0, arriving, horizon=0.7)
     assert not collides(6.0, arriving, horizon=0.7, left=2.0)
+
+
+@pytest.mark.parametrize(
+    ("length", "heading", "turn", "swings"),
+    [(12.0, 0.0, 0.6, True), (12.0, 0.0, 0.0, False), (7.5, 0.0, 0.6, False), (12.0, 2.5, 0.6, False)],
+)
+def test_a_long_body_beside_that_turns_away_swings_its_tail_over_the_ego_whatever_else_it_might_do(
+    length, heading, turn, swings
+):
+    beside = (12.0, 3.0, heading, 5.0, length, 2.5)
+    assert collides(5.0, beside, horizon=3.0, turn=turn) is swings
