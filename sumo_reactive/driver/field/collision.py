@@ -12,7 +12,6 @@ from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 
-
 LONG_M = 8.0
 """A body longer than this that turns away beside the ego swings its tail out, …"""
 
@@ -61,8 +60,9 @@ def braking_collides(
 
     The others keep their speed. Who turns may go on turning or go straight on: only where both ways touch, braking is no
     matter of what he will do. A car that comes round a bend does not hit the ego, nor does one that waits to turn across its
-    path; that one is the pilot's matter. A long body beside that has begun to turn goes on. Who now has the front behind the ego's middle, or is touched only while the
-    ego stands, has to look out himself; who leaves the road at the end of his way touches nobody behind it. `boxes` (n, 8):
+    path; that one is the pilot's matter. A long body beside that has begun to turn goes on. Who now has the front behind the
+    ego's middle, or is touched only while the ego stands, has to look out himself; who leaves the road at the end of his way
+    touches nobody behind it. `boxes` (n, 8):
     front x, y, heading, speed, length, width, turn rate (rad/s), way left (m).
     """
     middle = axle_to_front - 0.5 * length
