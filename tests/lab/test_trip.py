@@ -92,7 +92,7 @@ def test_the_judges_are_shown_who_is_beside_the_ego_whether_its_driver_looks_the
 def test_an_ego_that_the_pilot_sends_over_a_red_light_is_told(monkeypatch):
     """The judge asks SUMO: the pilot sees green where SUMO shows red."""
     monkeypatch.setattr(Sensor, "letters", lambda sensor, light: "G" * 12)
-    result = run_trial(replace(load_scenario(LIGHTS), horizon_s=60.0))
+    result = run_trial(replace(load_scenario(LIGHTS), horizon_s=120.0))
     assert result.figures["red_lights_run"] == 1
     assert [one.kind for one in result.violations if one.kind == "red light run"] == ["red light run"]
 
