@@ -283,7 +283,7 @@ def potentials_over(
     """Return U (a, w) of each command of the lattice `accelerations` × `rates` as if there were no other, infinite where it
     is not admissible. The arguments are those of `choose_command`; `bitmaps`: none."""
     sides, shadows = room_and_shadows(car, cx, cy, ch, step, s, static, boxes, left, right, driver)
-    corners, fine = np.empty((0, 6, 2)), len(bitmaps) > 0
+    corners, fine = np.empty((0, 6, 2)), len(bitmaps) > 0  # never: but a literal False would compile another `best_of`
     potentials = np.full((len(accelerations), len(rates)), np.inf)
     for i in range(len(accelerations)):
         for j in range(len(rates)):

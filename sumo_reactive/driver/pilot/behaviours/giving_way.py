@@ -34,7 +34,7 @@ def give_way(situation: Situation) -> Escape | None:
     let_go = _let_go(situation)
     blocked = tuple(one.user_id for one in situation.outlook.kept if one.is_waiting and not one.is_free)
     goes_on = memory.behaviour is Behaviour.GIVING_WAY and not _has_happened(EventKind.NO_PROGRESS, situation)
-    if not (goes_on or _is_locked(situation)) or not (let_go or blocked):
+    if not (goes_on or _begins(situation)) or not (let_go or blocked):
         return None
     place = min(_place_behind(situation), snapshot.front) if blocked else snapshot.front
     way = snapshot.front - place
@@ -56,7 +56,7 @@ def _place_behind(situation: Situation) -> float:
     return max(wanted, snapshot.front - clear_behind(situation) + _BEHIND_M)
 
 
-def _is_locked(situation: Situation) -> bool:
+def _begins(situation: Situation) -> bool:
     """Whether the ego is found, every other time, to stand for no rule and for nobody who is about to go."""
     snapshot, memory = situation.snapshot, situation.memory
     manoeuvres = memory.overtaking is not None or memory.move is not None
