@@ -15,7 +15,7 @@ from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.path.lane_choice import LaneChoice, LaneStep, choose_lanes, lane_path, may_change, parallel_lanes
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.time_constraints import speed_envelope, time_constraints
-from sumo_reactive.driver.path.trajectory import FOOT_REACH_M, PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
+from sumo_reactive.driver.path.trajectory import PLAN_HORIZON_M, CurveStart, Trajectory, lanes_at, trajectory
 from sumo_reactive.driver.path.turnaround import turn_in_moves
 from sumo_reactive.driver.path.way_back import road_around, ways_back
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -29,11 +29,9 @@ LATE_M = 0.3
 ASKEW_RAD = 0.1
 """…if it stands along its lane; else it turns in one sweep."""
 SLANTED_M = 0.1
-"""A line that C crosses slantwise is placed where that is if it is nearer than the nearest place by more than this…"""
-LEAST_STRAIGHT = 0.7
-"""…and C leads over it by less than 45° from straight on, by the cosine…"""
-LINE_STEPS = 3
-"""…found by so many steps of Newton's."""
+"""A line that C crosses slantwise is placed where that is if it is nearer than the nearest place by more than this,…"""
+LINE_REACH_M, LINE_LANES = 6.0, 1.5
+"""…but not by more than this, and C is there no farther beside the end of its lane than so many widths of it."""
 PROJECTION_REACH_M = 15.0
 """The front axle is looked for this far around its stated lane position."""
 
@@ -204,22 +202,24 @@ def _on_curve(
 
 
 def _line_on(course: Trajectory, lane: Lane, u: float) -> float:
-    """Return the arc length on C where it crosses the line across the end of `lane`, at `u` of the reference, m.
+    """Return the arc length on C where it first crosses the line across the end of `lane`, at `u` of the reference, m.
 
-    Where C comes to it from the lane beside, slantwise, that is before the place of C which is nearest to the lane's end.
+    Where C comes to it slantwise, from the lane beside or swinging out for a turn, that is before the place of C which is
+    nearest to the lane's end.
     """
-    near = course.s(u)
-    if not 0.0 < near < course.curve.length:
+    near, curve = course.s(u), course.curve
+    if not 0.0 < near < curve.length:
         return near
     (x, y), along = lane.spine.at(lane.spine.length), lane.spine.heading_at(lane.spine.length)
-    s, c, d = near, math.cos(along), math.sin(along)
-    for _ in range(LINE_STEPS):
-        cx, cy, heading = course.curve.at(s)
-        straight = math.cos(heading - along)
-        if straight < LEAST_STRAIGHT or abs(s - near) > FOOT_REACH_M:
-            return near
-        s += ((x - cx) * c + (y - cy) * d) / straight
-    return s if s < near - SLANTED_M else near
+    places = np.arange(max(int((near - LINE_REACH_M) / curve.step), 0), min(int(near / curve.step) + 2, len(curve.x)))
+    dx, dy, c, s = curve.x[places] - x, curve.y[places] - y, math.cos(along), math.sin(along)
+    beyond, beside = dx * c + dy * s, np.abs(dy * c - dx * s)
+    crossed = np.flatnonzero((beyond[:-1] < 0.0) & (beyond[1:] >= 0.0) & (beside[1:] < LINE_LANES * lane.width))
+    if not len(crossed):
+        return near
+    k = crossed[0]
+    line = curve.step * float(places[k] - beyond[k] / (beyond[k + 1] - beyond[k]))
+    return line if line < near - SLANTED_M else near
 
 
 def _segments(reference: Reference, course: Trajectory, left: LeftLane | None) -> tuple[LaneSegment, ...]:

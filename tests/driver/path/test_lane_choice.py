@@ -119,3 +119,11 @@ def test_the_stop_line_is_where_a_late_change_leads_over_it_slantwise(position: 
     world = graph([a, b], [("a_0", "b_0")])
     found = plan(world, Route(("a", "b")), CAR, start_on(world.lanes["a_1"], position, 3.0))
     assert found.curve.at(found.passages[0].start)[0] == pytest.approx(60.0, abs=0.02)
+
+
+def test_the_stop_line_of_a_turn_that_swings_out_for_it_is_where_c_first_leads_over_it() -> None:
+    a, b = road("a", [(0, 0), (60, 0)]), road("b", [(60, 7), (0, 7)])
+    world = graph([a, b], [("a_0", "b_0")], {"a_0": [(62, 3.5)]})
+    found = plan(world, Route(("a", "b")), CAR, start_on(world.lanes["a_0"], 10.0, 5.0))
+    assert found.curve.at(found.passages[0].start)[0] == pytest.approx(60.0, abs=0.05)
+    assert max(found.curve.at(0.1 * k)[0] for k in range(int(10.0 * found.passages[0].start))) < 60.0
