@@ -15,6 +15,9 @@ from sumo_reactive.driver.vehicle.bicycle import advance_pose
 LONG_M = 8.0
 """A body longer than this that turns away beside the ego swings its tail out, …"""
 
+TAIL_M = 0.6
+"""…by more than it is foreseen to, perhaps by this, …"""
+
 ALONG = 0.5
 """…if it heads where the ego does, to within the angle with this cosine."""
 
@@ -67,20 +70,23 @@ def braking_collides(
     """
     middle = axle_to_front - 0.5 * length
     possible = within_reach(x, y, heading, speed, middle, 0.5 * (length + width), boxes, horizon)
-    t, v = start, speed if len(possible) > 0 else 0.0
+    t, v, any_swings = start, speed, False
     px, py, ph = x, y, heading
-    while t <= horizon and v > 0.0:
+    for k in possible:
+        any_swings |= boxes[k, 4] > LONG_M and boxes[k, 6] != 0.0 and math.cos(boxes[k, 2] - heading) > ALONG
+    while len(possible) > 0 and t <= horizon and (v > 0.0 or any_swings):
         cx, cy = px + middle * math.cos(ph), py + middle * math.sin(ph)
         for k in possible:
-            if boxes[k, 3] * t > boxes[k, 7]:
-                continue
             swings = boxes[k, 4] > LONG_M and boxes[k, 6] != 0.0 and math.cos(boxes[k, 2] - heading) > ALONG
+            if boxes[k, 3] * t > boxes[k, 7] or (v <= 0.0 and not swings):
+                continue
             touched = True
             for turn_rate in (boxes[k, 6], 0.0):
                 if turn_rate == 0.0 and swings:
                     continue
                 bx, by, bh = foreseen_pose(boxes[k], t, turn_rate)
-                touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], boxes[k, 5])
+                wide = boxes[k, 5] + (2.0 * TAIL_M if swings else 0.0)
+                touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], wide)
             if touched:
                 return True
         px, py, ph = advance_pose(px, py, ph, v, steering_angle, wheelbase, step)

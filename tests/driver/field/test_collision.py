@@ -130,3 +130,11 @@ def test_a_long_body_beside_that_turns_away_swings_its_tail_over_the_ego_whateve
 ):
     beside = (12.0, 3.0, heading, 5.0, length, 2.5)
     assert collides(5.0, beside, horizon=3.0, turn=turn) is swings
+
+
+@pytest.mark.parametrize(("length", "touches"), [(12.0, True), (7.0, False)])
+def test_the_tail_of_a_long_body_comes_over_an_ego_that_has_braked_to_a_stand(length, touches):
+    """It stops after 0.2 m; the body is more than a metre beside it then, and turns on."""
+    beside = (10.5, 3.4, 0.0, 3.0, length, 2.5)
+    assert not collides(1.5, beside, horizon=0.2, turn=0.3)
+    assert collides(1.5, beside, horizon=2.0, turn=0.3) is touches
