@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Protocol
 from xml.etree.ElementTree import Element
@@ -16,11 +16,14 @@ from sumo_reactive.driver.world.lane import Lane, nearest_opposite
 from sumo_reactive.driver.world.regions import ConflictRegion, conflict_regions, ways_near
 from sumo_reactive.driver.world.road_graph import RoadGraph, arcs_of
 from sumo_reactive.errors import NetworkError
-from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id, lane_from, parse
+from sumo_reactive.sumo.net_file import RawNet, edge_id_of, from_lane_id, lane_from, parse, to_lane_id
 from sumo_reactive.sumo.net_junctions import junction_from, parts_of
 
 APPROACH_HORIZON_M = 200.0
 """Approach lanes are searched this far upstream of a stop line: 10 s of driving at 20 m/s, above any critical gap."""
+
+REACHES_BACK_M = 20.0
+"""Who has left a junction may still reach back into it with a body as long as this."""
 
 _ALL = 1 << 31
 """Whatever has been built is kept for the next route."""
@@ -125,10 +128,12 @@ class NetFile:
         edge_lanes = self._edge_lanes([*edges, *opposite.values()], connections.values())
         inside = [part for connection in connections.values() for part in connection.parts]
         upstream = [approach.lane_id for found in approaches.values() for approach in found]
+        exits = dict.fromkeys(c.to_lane for c in connections.values() if not c.is_crossing)
+        beyond = {lane: found for lane in exits if (found := self._beyond(lane))}
         return RoadGraph(
             lanes={
                 **{lane.id: lane for lanes in edge_lanes.values() for lane in lanes},
-                **{lane_id: self.lane(lane_id) for lane_id in (*inside, *upstream)},
+                **{lane_id: self.lane(lane_id) for lane_id in (*inside, *upstream, *chain(*beyond.values()))},
             },
             edge_lanes=edge_lanes,
             junctions=junctions,
@@ -138,6 +143,7 @@ class NetFile:
             opposite=opposite,
             left_hand=self.left_hand,
             approaches=approaches,
+            beyond=beyond,
         )
 
     def _normal_edge(self, edge_id: str) -> Element:
@@ -189,6 +195,18 @@ class NetFile:
     def _approaches_of(self, from_lane: str, to_edge: str) -> tuple[Approach, ...]:
         """Return the lanes that lead to the connections from a lane to an edge."""
         return tuple(approaches_to(from_lane, to_edge, self._upstream, APPROACH_HORIZON_M))
+
+    @kept(_ALL)
+    def _beyond(self, lane_id: str, reach: float = REACHES_BACK_M) -> tuple[str, ...]:
+        """Return the lanes that begin less than `reach` m behind the start of a lane."""
+        left = reach - self.lane(lane_id).spine.length
+        found: list[str] = []
+        for link in self._raw.leaving.get(lane_id, ()) if left > 0.0 else ():
+            if not link["to"].startswith(":"):
+                parts, onto = parts_of(self._raw, link), to_lane_id(link)
+                rest = left - sum(self.lane(part).spine.length for part in parts)
+                found += (*parts, onto, *self._beyond(onto, rest))
+        return tuple(dict.fromkeys(found))
 
     @kept(_ALL)
     def _opposite_of(self, edge_id: str) -> str | None:

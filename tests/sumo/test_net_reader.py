@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from net_recipes import MINIMAL
 
+from sumo_reactive.driver.view.attention import lanes_around
 from sumo_reactive.driver.world.junction import Control, LightLink, Turn
 from sumo_reactive.errors import NetworkError
 from sumo_reactive.sumo.net_reader import NetFile, read_net
@@ -180,3 +181,18 @@ def test_a_compressed_network_reads_the_same(tmp_path):
 
 def test_a_left_hand_network_says_so(written):
     assert written(MINIMAL.replace("<net ", '<net lefthand="true" ')).build(["w"]).left_hand
+
+
+def test_short_exits_are_followed_as_far_as_long_bodies_reach_back(written):
+    """Who has left the junction by a lane of 3 m is on the next one; 96 m behind a junction nobody reaches back."""
+    short = MINIMAL.replace('shape="101.00,4.00 101.00,100.00"', 'shape="101.00,4.00 101.00,7.00"')
+    more = (
+        '<edge id="m" from="c" to="f"><lane id="m_0" index="0" speed="8" length="90" shape="101,8 101,98"/></edge>'
+        '<edge id=":c_0" function="internal"><lane id=":c_0_0" index="0" speed="8" length="1" shape="101,7 101,8"/></edge>'
+        '<connection from="n" to="m" fromLane="0" toLane="0" via=":c_0_0" dir="s" state="M"/>'
+    )
+    graph = written(short.replace("</net>", f"{more}</net>")).build(["w", "e"])
+    assert graph.beyond == {"n_0": (":c_0_0", "m_0")}
+    assert {":c_0_0", "m_0"} < set(graph.lanes)
+    assert {":c_0_0", "m_0"} < set(lanes_around(graph, STRAIGHT))
+    assert written().build(["w", "e"]).beyond == {}

@@ -65,10 +65,12 @@ def _lanes_to(
 
 @kept(4096)
 def lanes_around(graph: RoadGraph, connection_id: str) -> tuple[str, ...]:
-    """Return every lane to look at while passing a junction: inside, before, behind, and where foes come from."""
+    """Return every lane to look at while passing a junction: inside, before, behind as far as long bodies reach back, and
+    where foes come from."""
     junction = graph.junctions[graph.connections[connection_id].junction_id]
     lanes = (lane for c in junction.connections for lane in (*c.parts, c.from_lane, c.to_lane) if lane in graph.lanes)
-    return tuple(dict.fromkeys((*lanes, *watches_of(graph, connection_id))))
+    behind = (lane for c in junction.connections for lane in graph.beyond.get(c.to_lane, ()))
+    return tuple(dict.fromkeys((*lanes, *behind, *watches_of(graph, connection_id))))
 
 
 @kept(1024)

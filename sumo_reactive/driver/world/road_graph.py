@@ -53,7 +53,8 @@ class RoadGraph:
     Its nodes are `lanes` (normal and internal ones) and conflict `regions` with the post-conflict regions behind them, by
     id; `arcs` join them, those from one node in order. `edge_lanes` holds the lanes of an edge, outermost first; `opposite`
     the edge that shares an edge's carriageway in the other direction; `approaches` the lanes on which vehicles come to a
-    connection that shares a conflict region, by the connection's id (none come to a pedestrian crossing).
+    connection that shares a conflict region, by the connection's id (none come to a pedestrian crossing); `beyond` the lanes
+    from which long bodies still reach back over the lane before, by the id of that.
     """
 
     lanes: Mapping[str, Lane]
@@ -65,6 +66,7 @@ class RoadGraph:
     opposite: Mapping[str, str]
     left_hand: bool
     approaches: Mapping[str, tuple[Approach, ...]] = field(default_factory=dict)
+    beyond: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @cached_property
     def connection_of(self) -> Mapping[str, Connection]:
