@@ -131,6 +131,32 @@ def mapped_elsewhere(by: Occupant, s: float, edges: tuple[str, ...]) -> Occupied
     return OccupiedLane(by.graph.lanes[middle.lane_id], *by.front, by.ego.speed, edges[middle.route_index :])
 
 
+def rear_beside(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show an ego that has left a road with its front while its rear still reaches over a lane beside the
+    one that it has left it by: up to the end of that lane, as long as the rear there; None: it does not. `s`: where its
+    front axle is, m of C; `edges`: its route.
+
+    SUMO shows it to those who come on its own lanes only.
+    """
+    came = segment_at(by.plan, s + by.limits.front_overhang - by.limits.length)
+    edge = by.graph.lanes[came.lane_id].edge_id
+    lanes = by.graph.edge_lanes.get(edge, ())
+    if by.graph.lanes[by.here.lane_id].edge_id == edge or not lanes:
+        return None
+    left_by = [one.lane_id for one in by.plan.segments if one.start < by.here.start and one.route_index == came.route_index]
+    rear, own = by.behind_front(by.limits.length), next(one for one in reversed(left_by) if not one.startswith(":"))
+    over = [one for one in lanes if one.id != own and one.reaches(*rear, by.limits.width - 2.0 * OCCUPIED_LANE_M)]
+    if not over:
+        return None
+    lane = min(over, key=lambda one: abs(one.spine.project(*rear)[1]))
+    length = lane.spine.length - lane.spine.project(*rear)[0]
+    if length < OCCUPIED_LANE_M:
+        return None
+    return OccupiedLane(
+        lane, *lane.spine.at(lane.spine.length), by.ego.speed, edges[came.route_index :], waits=True, length=length
+    )
+
+
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
     """Return where to show an ego that turns round in several moves: where it began, so that those behind leave it the room
     to back up; None: it is still in the middle of that lane. `edges`: its route from there on."""

@@ -38,3 +38,8 @@ def ahead(graph, turn, ego, limits, edges):
 def elsewhere(graph, plan, mapped, s, ego, limits, edges):
     """Where it drives while SUMO has it on another way."""
     return stand_ins.mapped_elsewhere(Occupant(graph, plan, plan.segments[1], ego, limits, mapped), s, edges)
+
+
+def rear(graph, plan, here, ego, s, limits, edges):
+    """On the lane beside the one that it has left a road by."""
+    return stand_ins.rear_beside(Occupant(graph, plan, here, ego, limits), s, edges)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from net_recipes import converted
-from occupants import ahead, behind, cut_in_bend, in_change, occupied
+from occupants import ahead, behind, cut_in_bend, in_change, occupied, rear
 
 from sumo_reactive.driver.nouns.plan import Aside, Turnaround
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
@@ -199,3 +199,20 @@ def test_who_turns_round_is_shown_ahead_of_whatever_of_its_body_is_farthest_back
     seen = ahead(road, turning_round(road), ego, CAR, ("ba",))
     rear = 280.0 + CAR.length * math.cos(0.25 * math.pi)
     assert seen is not None and seen.x == pytest.approx(rear - CAR.length, abs=1e-6)
+
+
+@pytest.mark.parametrize(("askew", "shown"), [(0.0, None), (0.3, "ab_0")])
+def test_a_bus_is_seen_on_the_lane_that_its_rear_is_over_when_its_front_is_in_the_junction(tmp_path, askew, shown):
+    graph = read_net(converted(tmp_path, NODES, EDGES, "--no-turnarounds")).build(("ab", "bc"))
+    lane, beside = graph.lanes["ab_1"], graph.lanes["ab_0"]
+    start = PlanStart(Pose(40.0, lane.spine.at(0.0)[1], 0.0), 5.0, 0.0, 0.0, "ab_1", 50.0, 0)
+    found = plan(graph, Route(("ab", "bc")), replace(BUS, vehicle_class="bus"), start)
+    here = next(g for g in found.segments if graph.lanes[g.lane_id].is_internal)
+    x, y = lane.spine.at(lane.spine.length)
+    reach = BUS.front_to_rear_axle
+    pose = Pose(x + 2.0 - reach * math.cos(askew), y - reach * math.sin(askew), askew)
+    seen = rear(graph, found, here, VehicleState(pose, 2.0, 0.0), here.start + 2.0 - BUS.front_overhang, BUS, ("ab", "bc"))
+    assert (seen.lane.id if seen else None) == shown
+    if seen is not None:
+        assert (seen.x, seen.y) == pytest.approx(beside.spine.at(beside.spine.length))
+        assert (seen.length, seen.edges) == (pytest.approx(BUS.length * math.cos(askew) - 2.0, abs=0.05), ("ab", "bc"))
