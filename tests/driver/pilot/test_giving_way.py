@@ -114,3 +114,16 @@ def test_an_ego_that_does_not_get_on_tells_whom_it_lets_go():
     step = ego.step(beside(ego), drive=drive._replace(ego=ego.ego, memory=memory), time=ego.time + 0.1)
     assert step.completed.let_go == step.drive.memory.let_go == ("x",)
     assert (step.completed.behaviour, step.drive.ego.speed) == (Behaviour.GIVING_WAY, 0.0)
+
+
+@pytest.mark.parametrize(("lane", "waits", "locked"), [("other_0", True, True), ("other_0", False, False), ("", True, False)])
+def test_who_comes_from_another_road_and_waits_for_the_ego_is_no_queue(lane, waits, locked):
+    """Each has the other ahead; who is ahead on the ego's own way has it behind."""
+    ego = standing()
+    x = ego.ahead("x", 3.0, 0.0)
+    found = situation(ego, FREE._replace(is_waiting=waits), Kept("z", is_waiting=True, is_free=True), users=(x,))
+    assert found.ahead_of_ego.user.id == "x"
+    if lane:
+        there = found.ahead_of_ego
+        found = found._replace(ahead_of_ego=there._replace(user=there.user._replace(lane_id=lane)))
+    assert (give_way(found) is not None) is locked

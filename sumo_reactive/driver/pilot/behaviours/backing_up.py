@@ -94,10 +94,19 @@ def has_right(situation: Situation, x: PathObstacle | None) -> bool:
 
 
 def is_queued(situation: Situation, x: PathObstacle | None) -> bool:
-    """Whether the ego stands behind somebody who drives its way and waits himself."""
+    """Whether the ego stands behind somebody who drives its way and waits himself, and not for the ego."""
     if x is None or x.start >= situation.snapshot.front + _KEPT_WITHIN_M or x.user.is_halted:
         return False
+    if _waits_for_ego(situation, x):
+        return False
     return x.along > -STANDING_SPEED and _same_way(situation, x)
+
+
+def _waits_for_ego(situation: Situation, x: PathObstacle) -> bool:
+    """Whether somebody who comes from another road has the ego ahead of him as it has him."""
+    if any(segment.lane_id == x.user.lane_id for segment in situation.plan.segments):
+        return False
+    return any(one.user_id == x.user.id and one.is_waiting for one in situation.outlook.kept)
 
 
 def _same_way(situation: Situation, x: PathObstacle) -> bool:
