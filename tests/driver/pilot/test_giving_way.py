@@ -116,8 +116,8 @@ def test_an_ego_that_does_not_get_on_tells_whom_it_lets_go():
     assert (step.completed.behaviour, step.drive.ego.speed) == (Behaviour.GIVING_WAY, 0.0)
 
 
-@pytest.mark.parametrize(("lane", "waits", "locked"), [("other_0", True, True), ("other_0", False, False), ("", True, False)])
-def test_who_comes_from_another_road_and_waits_for_the_ego_is_no_queue(lane, waits, locked):
+@pytest.mark.parametrize(("lane", "waits", "lock"), [("other_0", True, True), ("other_0", False, False), ("", True, False)])
+def test_who_comes_from_another_road_and_waits_for_the_ego_is_no_queue(lane, waits, lock):
     """Each has the other ahead; who is ahead on the ego's own way has it behind."""
     ego = standing()
     x = ego.ahead("x", 3.0, 0.0)
@@ -126,4 +126,4 @@ def test_who_comes_from_another_road_and_waits_for_the_ego_is_no_queue(lane, wai
     if lane:
         there = found.ahead_of_ego
         found = found._replace(ahead_of_ego=there._replace(user=there.user._replace(lane_id=lane)))
-    assert (give_way(found) is not None) is locked
+    assert (give_way(found) is not None) is lock
