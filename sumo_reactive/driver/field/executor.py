@@ -20,6 +20,7 @@ from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.field.one_pass import STANDS, car_in, commanded
 from sumo_reactive.driver.field.valley_map import NO_MAP, ValleyMap
 from sumo_reactive.driver.geometry.curve import Curve
+from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.decision import Instruction
@@ -130,7 +131,10 @@ def _of_grid(
     wanted = without_jerk(wish.speed, wish.is_pressing, on_curve(snapshot), period, limits.parameters.comfort_jerk)
     if wanted <= 0.0 and speed == 0.0 and not is_paper:  # there is nothing to choose
         return Execution(Command(0.0, 0.0), snapshot.ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
-    grid = wide_grid(limits) if completed.tuning.wide_grid else paper_grid(limits, speed, period)
+    if completed.tuning.wide_grid:
+        grid, snapshot = wide_grid(limits), snapshot._replace(boxes=_apart_from(snapshot, limits))
+    else:
+        grid = paper_grid(limits, speed, period)
     planned = limits.service_deceleration if is_paper else limits.planned_deceleration
     room = room_to_brake(snapshot, completed, COARSE_STOP_MARGIN_M if is_paper else HARD_STOP_MARGIN_M)
     bounds = _Bounds(period, room, wanted, min(wanted, speed - planned * period))
@@ -138,6 +142,21 @@ def _of_grid(
     command, verdict, potentials, state = _choose(snapshot, completed.plan.curve, car, bounds, grid, valley or NO_MAP)
     emergency = verdict != ADMISSIBLE or state.speed < speed - (planned + HARDER_BY) * period
     return Execution(command, state, wanted, potentials, emergency, _hazard(wish.hazard, verdict) if emergency else "")
+
+
+def _apart_from(snapshot: Snapshot, limits: VehicleLimits) -> Floats:
+    """Return the boxes without those beside or behind the ego that touch it already: it could not be kept clear of them by
+    any command, and would stand there for ever."""
+    (x, y, heading), length = snapshot.ego.pose, limits.length
+    c, s, middle = math.cos(heading), math.sin(heading), limits.front_to_rear_axle - 0.5 * length
+    own = x + middle * c, y + middle * s, heading, length, limits.width
+
+    def is_apart(box: list[float]) -> bool:
+        bx, by = box[0] - 0.5 * box[4] * math.cos(box[2]), box[1] - 0.5 * box[4] * math.sin(box[2])
+        is_ahead = (bx - own[0]) * c + (by - own[1]) * s > 0.5 * length
+        return is_ahead or not boxes_overlap(*own, bx, by, box[2], box[4], box[5])
+
+    return snapshot.boxes[[k for k, box in enumerate(snapshot.boxes.tolist()) if is_apart(box)]]
 
 
 def _hazard(named: str, verdict: int) -> str:

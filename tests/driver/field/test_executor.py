@@ -1,6 +1,7 @@
 """One command from the potential field: within the limits, along C, before the stop, behind the leader (F&L 1991, §3.2)."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,10 +13,11 @@ from hypothesis import strategies as st
 from sumo_reactive.driver.field.executor import execute
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind, stop_at
-from sumo_reactive.driver.nouns.decision import Reason
+from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.record import BEND, STOP_PLACE
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.parameters import USUAL
+from sumo_reactive.driver.pilot.instructions import TUNINGS
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
 ROAD = plan_along(straight())
@@ -255,3 +257,13 @@ def test_a_bend_that_carries_the_car_less_than_its_free_room_out_is_no_emergency
     plan = plan_along(turning([10.0, 5.0, 200.0], [0.0, 0.012, 0.0]), 25.0)
     trace = list(driven(plan, on_curve(plan.curve, 10.0, 20.0), lambda _: asked(plan), 4.0))
     assert not any(execution.emergency for _, execution in trace)
+
+
+@pytest.mark.parametrize(("at", "goes"), [(-1.0, True), (-1.0 + 1.1 * CAR.length, False)])
+def test_an_ego_that_is_touched_from_the_side_may_squeeze_on_and_not_into_whom_it_touches_ahead(at, goes):
+    """The other's rear or front corner is 0.1 m inside its body."""
+    beside = car_at("x", 10.0 + at, CAR.width - 0.1, 0.0, 0.0)
+    squeezing = replace(asked(ROAD), instruction=Instruction.WIDEN, tuning=TUNINGS[Instruction.WIDEN])
+    here = seen(on_curve(ROAD.curve, 10.0, 0.0), ROAD, 9.0, [beside])
+    assert execute(here, asked(ROAD), CAR, 0.1).state.speed == 0.0
+    assert (execute(here, squeezing, CAR, 0.1).state.speed > 0.0) is goes
