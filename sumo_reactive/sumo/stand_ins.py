@@ -138,23 +138,25 @@ def rear_beside(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane 
 
     SUMO shows it to those who come on its own lanes only.
     """
-    came = segment_at(by.plan, s + by.limits.front_overhang - by.limits.length)
-    edge = by.graph.lanes[came.lane_id].edge_id
-    lanes = by.graph.edge_lanes.get(edge, ())
-    if by.graph.lanes[by.here.lane_id].edge_id == edge or not lanes:
+    if s + by.limits.front_overhang - by.here.start + by.here.lane_offset > by.limits.length:
         return None
-    left_by = [one.lane_id for one in by.plan.segments if one.start < by.here.start and one.route_index == came.route_index]
-    rear, own = by.behind_front(by.limits.length), next(one for one in reversed(left_by) if not one.startswith(":"))
-    over = [one for one in lanes if one.id != own and one.reaches(*rear, by.limits.width - 2.0 * OCCUPIED_LANE_M)]
-    if not over:
+    here, rear = by.graph.lanes[by.here.lane_id], by.behind_front(by.limits.length)
+    ways = [by.graph.connection_of[here.id]] if here.is_internal else by.graph.ways_into(here.id)
+    came = [by.graph.lanes[way.from_lane] for way in ways if way.from_lane in by.graph.lanes]
+    index = by.here.route_index - (not here.is_internal)
+    if not came or index < 0:
+        return None
+    own = min(came, key=lambda one: abs(one.spine.project(*rear)[1]))
+    reach = by.limits.width - 2.0 * OCCUPIED_LANE_M
+    over = [one for one in by.graph.edge_lanes.get(own.edge_id, ()) if one.id != own.id and one.reaches(*rear, reach)]
+    if not over or own.edge_id != edges[index]:
         return None
     lane = min(over, key=lambda one: abs(one.spine.project(*rear)[1]))
     length = lane.spine.length - lane.spine.project(*rear)[0]
     if length < OCCUPIED_LANE_M:
         return None
-    return OccupiedLane(
-        lane, *lane.spine.at(lane.spine.length), by.ego.speed, edges[came.route_index :], waits=True, length=length
-    )
+    end = lane.spine.at(lane.spine.length)
+    return OccupiedLane(lane, *end, by.ego.speed, edges[index:], waits=True, length=length)
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

@@ -216,3 +216,14 @@ def test_a_bus_is_seen_on_the_lane_that_its_rear_is_over_when_its_front_is_in_th
     if seen is not None:
         assert (seen.x, seen.y) == pytest.approx(beside.spine.at(beside.spine.length))
         assert (seen.length, seen.edges) == (pytest.approx(BUS.length * math.cos(askew) - 2.0, abs=0.05), ("ab", "bc"))
+
+
+def test_an_ego_whose_rear_is_on_the_road_behind_the_junction_is_shown_nowhere_besides(tmp_path):
+    graph = read_net(converted(tmp_path, NODES, EDGES, "--no-turnarounds")).build(("ab", "bc"))
+    lane = graph.lanes["bc_1"]
+    start = PlanStart(Pose(40.0, graph.lanes["ab_1"].spine.at(0.0)[1], 0.0), 5.0, 0.0, 0.0, "ab_1", 50.0, 0)
+    found = plan(graph, Route(("ab", "bc")), replace(BUS, vehicle_class="bus"), start)
+    here = next(g for g in found.segments if g.lane_id == "bc_1")
+    x, y = lane.spine.at(13.0)
+    ego = VehicleState(Pose(x, y - BUS.front_to_rear_axle, math.pi / 2), 2.0, 0.0)
+    assert rear(graph, found, here, ego, here.start + 13.0 - BUS.front_overhang, BUS, ("ab", "bc")) is None
