@@ -66,7 +66,7 @@ class Queue(NamedTuple):
     near: tuple[Neighbour, ...] = ()
 
 
-class Kept(NamedTuple):
+class Hindered(NamedTuple):
     """Somebody near a standing ego. `is_waiting`: he has been standing, too, for a while, and has not halted. `is_free`: he
     would not touch the ego where it stands if he went on."""
 
@@ -81,8 +81,8 @@ class Outlook(NamedTuple):
     `forecast` of the others; `beside`: the lanes to which the ego might move aside; `lane_width` of its own (m);
     `sight` (m): how far ahead along C the oncoming traffic was looked at; `queues`: the one that the ego is in, and those on
     the lanes beside by which it could go as well, if there are such lanes and somebody slow is ahead. `comes_over`: who will
-    drive over the ground of the turn in several moves that the ego is about to begin (empty: nobody). `kept`: who is near
-    and might wait for an ego that does not get on.
+    drive over the ground of the turn in several moves that the ego is about to begin (empty: nobody). `hindered`: who
+    is near and might wait for an ego that does not get on.
     """
 
     forecast: Forecast
@@ -91,4 +91,4 @@ class Outlook(NamedTuple):
     sight: float
     queues: tuple[Queue, ...] = ()
     comes_over: str = ""
-    kept: tuple[Kept, ...] = ()
+    hindered: tuple[Hindered, ...] = ()

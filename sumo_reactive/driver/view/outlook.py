@@ -9,7 +9,7 @@ import numpy as np
 
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Points
-from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Kept, Outlook
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Hindered, Outlook
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
@@ -42,8 +42,8 @@ def outlook(
     waiting = queues(traffic, snapshot, plan, here, graph) if passing and here is not None else ()
     comes_over = who_comes_over(traffic.users, snapshot, plan, graph, limits) if plan.turnarounds else ""
     sight = max(traffic.sight, ATTENTION_MIN_AHEAD_M)
-    kept = tuple(kept_by(traffic.users, snapshot, graph, limits)) if looks_around else ()
-    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, comes_over, kept)
+    hindered = tuple(hindered_by(traffic.users, snapshot, graph, limits)) if looks_around else ()
+    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, comes_over, hindered)
 
 
 def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
@@ -56,10 +56,10 @@ def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
     return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + time * u.speed))
 
 
-KEPT_WITHIN_M = 20.0
+HINDERED_WITHIN_M = 20.0
 """Who is farther away, front to front, does not wait for a standing ego."""
 
-KEPT_S = 10.0
+HINDERED_S = 10.0
 """Who has stood for less may be about to go anyway."""
 
 _PAST_M, _PAST_STEP_M = 15.0, 0.5
@@ -69,16 +69,16 @@ _APART_M, _BY_M = 0.1, 3.0
 """…from which he keeps at least so far; who keeps so far from the ego does not wait for it."""
 
 
-def kept_by(
+def hindered_by(
     users: tuple[RoadUser, ...], snapshot: Snapshot, graph: RoadGraph, limits: VehicleLimits
-) -> Iterator[Kept]:
+) -> Iterator[Hindered]:
     """Yield the vehicles that have not halted and whose ways lead by a standing ego, those behind it left out, and whether
     each could go on without touching it."""
     ego, reach = snapshot.ego.pose, limits.front_to_rear_axle
     front, middle = ego.ahead(reach), ego.ahead(reach - 0.5 * limits.length)
     for user in users:
         away = user.x - front[0], user.y - front[1]
-        if user.is_halted or user.body.is_person or math.hypot(*away) > KEPT_WITHIN_M:
+        if user.is_halted or user.body.is_person or math.hypot(*away) > HINDERED_WITHIN_M:
             continue
         ahead = away[0] * math.cos(ego.heading) + away[1] * math.sin(ego.heading)
         if ahead < -limits.length and math.cos(user.heading - ego.heading) > 0.0:
@@ -90,7 +90,7 @@ def kept_by(
             for m in (_BY_M, _APART_M)
         )
         if comes_by:
-            yield Kept(user.id, user.waiting_time >= KEPT_S, not touches)
+            yield Hindered(user.id, user.waiting_time >= HINDERED_S, not touches)
 
 
 def _touches(own: tuple[float, float, float, float, float], place: tuple[float, ...]) -> bool:

@@ -8,13 +8,13 @@ from helpers.situations import before
 from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.nouns.forecast import Kept
+from sumo_reactive.driver.nouns.forecast import Hindered
 from sumo_reactive.driver.pilot.behaviours.giving_way import RULE, give_way
-from sumo_reactive.driver.view.outlook import kept_by
+from sumo_reactive.driver.view.outlook import hindered_by
 
 ROAD = ("road_before_exit", "road_after_exit")
 LOCKED = (Event(EventKind.NO_PROGRESS), Event(EventKind.LOCKED))
-FREE, BLOCKED = Kept("x", is_waiting=True, is_free=True), Kept("y", is_waiting=True, is_free=False)
+FREE, BLOCKED = Hindered("x", is_waiting=True, is_free=True), Hindered("y", is_waiting=True, is_free=False)
 
 
 def standing(**memory):
@@ -31,13 +31,14 @@ def beside(ego, name="x", to_left=0.0, waiting=20.0, halted=False, along=0.0, la
 
 
 def kept(ego, *users):
-    return {one.user_id: (one.is_waiting, one.is_free) for one in kept_by(users, ego.seen(*users), ego.graph, ego.limits)}
+    found = hindered_by(users, ego.seen(*users), ego.graph, ego.limits)
+    return {one.user_id: (one.is_waiting, one.is_free) for one in found}
 
 
 def situation(ego, *found, events=LOCKED, users=()):
     """What the behaviours look at when these are found near."""
     considered = ego.considered(*users, events=events)
-    return considered._replace(outlook=considered.outlook._replace(kept=found))
+    return considered._replace(outlook=considered.outlook._replace(hindered=found))
 
 
 def test_who_stands_beside_and_could_drive_past_is_kept_and_free():
@@ -121,7 +122,7 @@ def test_who_comes_from_another_road_and_waits_for_the_ego_is_no_queue(lane, wai
     """Each has the other ahead; who is ahead on the ego's own way has it behind."""
     ego = standing()
     x = ego.ahead("x", 3.0, 0.0)
-    found = situation(ego, FREE._replace(is_waiting=waits), Kept("z", is_waiting=True, is_free=True), users=(x,))
+    found = situation(ego, FREE._replace(is_waiting=waits), Hindered("z", is_waiting=True, is_free=True), users=(x,))
     assert found.ahead_of_ego.user.id == "x"
     if lane:
         there = found.ahead_of_ego

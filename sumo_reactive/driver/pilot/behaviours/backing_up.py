@@ -106,7 +106,7 @@ def _waits_for_ego(situation: Situation, x: PathObstacle) -> bool:
     """Whether somebody who comes from another road has the ego ahead of him as it has him."""
     if any(segment.lane_id == x.user.lane_id for segment in situation.plan.segments):
         return False
-    return any(one.user_id == x.user.id and one.is_waiting for one in situation.outlook.kept)
+    return any(one.user_id == x.user.id and one.is_waiting for one in situation.outlook.hindered)
 
 
 def _same_way(situation: Situation, x: PathObstacle) -> bool:

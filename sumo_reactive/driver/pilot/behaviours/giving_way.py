@@ -6,7 +6,7 @@ from sumo_reactive.driver.ablation import Mechanism
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import EventKind
-from sumo_reactive.driver.nouns.forecast import Kept
+from sumo_reactive.driver.nouns.forecast import Hindered
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.behaviours.backing_up import Escape, clear_behind, is_queued
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
@@ -32,7 +32,7 @@ def give_way(situation: Situation) -> Escape | None:
     """
     snapshot, memory = situation.snapshot, situation.memory
     let_go = _let_go(situation)
-    blocked = tuple(one.user_id for one in situation.outlook.kept if one.is_waiting and not one.is_free)
+    blocked = tuple(one.user_id for one in situation.outlook.hindered if one.is_waiting and not one.is_free)
     goes_on = memory.behaviour is Behaviour.GIVING_WAY and not _has_happened(EventKind.NO_PROGRESS, situation)
     if not (goes_on or _begins(situation)) or not (let_go or blocked):
         return None
@@ -73,10 +73,10 @@ def _let_go(situation: Situation) -> tuple[str, ...]:
     """Return who waits and would not touch the ego if he went on, and whoever of these has begun to."""
     known = situation.memory.let_go
 
-    def may_go(one: Kept) -> bool:
+    def may_go(one: Hindered) -> bool:
         return one.is_free and (one.is_waiting or one.user_id in known)
 
-    return tuple(one.user_id for one in situation.outlook.kept if may_go(one))
+    return tuple(one.user_id for one in situation.outlook.hindered if may_go(one))
 
 
 def is_locked(situation: Situation) -> bool:
