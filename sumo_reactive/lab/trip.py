@@ -45,6 +45,7 @@ from sumo_reactive.sumo.stand_ins import (
     mapped_next,
     occupied_lane,
     rear_beside,
+    rear_unseen,
 )
 from sumo_reactive.sumo.vehicle_type import front_of
 
@@ -213,8 +214,8 @@ class Trip:
         stop = step.completed.stop.s if step.completed.stop else math.inf
         place = mapped_elsewhere(by, drive.s, edges)
         place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
-        lain_over = lane_lain_over(by, drive.s, edges, place.lane.id if place else "")
-        return place, lain_over or rear_beside(by, drive.s, edges)
+        besides = lane_lain_over(by, drive.s, edges, place.lane.id if place else "") or rear_beside(by, drive.s, edges)
+        return place, besides or rear_unseen(by, edges[here.route_index :])
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

@@ -10,7 +10,7 @@ import libsumo
 
 from sumo_reactive.driver.driving import segment_at
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
-from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
+from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED, VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
@@ -22,6 +22,9 @@ OFF_TRACKING_SEEN_S = 2.0
 
 OCCUPIED_LANE_M = 0.1
 """A body nearer than this to a lane border is taken to reach over it."""
+
+UNSEEN_REAR_M = 0.2
+"""No less of a rear than this is shown where SUMO does not see it."""
 
 PREFIX = "reactive.ghost."
 """Ids of stand-ins begin with this; no figure counts them."""
@@ -157,6 +160,19 @@ def rear_beside(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane 
         return None
     end = lane.spine.at(lane.spine.length)
     return OccupiedLane(lane, *end, by.ego.speed, edges[index:], waits=True, length=length)
+
+
+def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:
+    """Return where to show the rear of a slow ego on a lane that is declared longer than it is drawn: SUMO takes it for as
+    long there as it is over ground, and those behind come so much nearer; None: there is nothing to show. `edges`: its
+    route from its lane segment on."""
+    lane, length = by.graph.lanes[by.here.lane_id], by.limits.length
+    unseen, front = length - length * lane.scale, lane.spine.project(*by.front)[0]
+    if unseen < UNSEEN_REAR_M or by.ego.speed > CREEPING_SPEED or lane.is_internal or front < length:
+        return None
+    seen = length * lane.scale + OCCUPIED_LANE_M  # and as much clear of that: it waits where somebody is, and so is the ego
+    x, y = lane.spine.at(front - seen)
+    return OccupiedLane(lane, x, y, by.ego.speed, edges, waits=True, length=(length - seen) / lane.scale)
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

@@ -43,3 +43,8 @@ def elsewhere(graph, plan, mapped, s, ego, limits, edges):
 def rear(graph, plan, here, ego, s, limits, edges):
     """On the lane beside the one that it has left a road by."""
     return stand_ins.rear_beside(Occupant(graph, plan, here, ego, limits), s, edges)
+
+
+def unseen(graph, plan, here, ego, limits, edges):
+    """Where SUMO does not see its rear on a lane declared longer than drawn."""
+    return stand_ins.rear_unseen(Occupant(graph, plan, here, ego, limits), edges)

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 from net_recipes import converted
-from occupants import ahead, behind, cut_in_bend, in_change, occupied, rear
+from occupants import ahead, behind, cut_in_bend, in_change, occupied, rear, unseen
 
-from sumo_reactive.driver.nouns.plan import Aside, Turnaround
+from sumo_reactive.driver.nouns.plan import Aside, LaneSegment, Turnaround
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
@@ -227,3 +227,22 @@ def test_an_ego_whose_rear_is_on_the_road_behind_the_junction_is_shown_nowhere_b
     x, y = lane.spine.at(13.0)
     ego = VehicleState(Pose(x, y - BUS.front_to_rear_axle, math.pi / 2), 2.0, 0.0)
     assert rear(graph, found, here, ego, here.start + 13.0 - BUS.front_overhang, BUS, ("ab", "bc")) is None
+
+
+@pytest.mark.parametrize(
+    ("declared", "speed", "at", "shown"),
+    [(1.25, 0.0, 50.0, True), (1.25, 1.1, 50.0, False), (1.0, 0.0, 50.0, False), (1.25, 0.0, 10.0, False)],
+)
+def test_the_rear_of_a_slow_ego_is_shown_where_the_lane_is_declared_longer_than_drawn(tmp_path, declared, speed, at, shown):
+    """Of 12 m over ground SUMO sees 12 of the lane's own metres: 9.6 over ground."""
+    graph = read_net(converted(tmp_path, NODES, EDGES, "--no-turnarounds")).build(("ab", "bc"))
+    lane = replace(graph.lanes["ab_1"], length=declared * graph.lanes["ab_1"].spine.length)
+    graph = replace(graph, lanes={**graph.lanes, lane.id: lane})
+    here = LaneSegment(lane_id=lane.id, start=0.0, end=lane.spine.length, lane_offset=0.0, route_index=0)
+    x, y = lane.spine.at(at)
+    ego = VehicleState(Pose(x - BUS.front_to_rear_axle, y, 0.0), speed, 0.0)
+    seen = unseen(graph, None, here, ego, BUS, ("ab", "bc"))
+    assert (seen is not None) is shown
+    if seen is not None:
+        assert lane.spine.project(seen.x, seen.y)[0] == pytest.approx(at - 9.7)
+        assert (seen.length, seen.waits) == (pytest.approx(2.3 * declared), True)
