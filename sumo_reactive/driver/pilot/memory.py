@@ -65,7 +65,8 @@ class PilotMemory(NamedTuple):
 
     `behaviour` is the present one; `premises` what it rests on; `overtaking` what it is about; `schedule` the adjusted
     (l, t_l) of the plan, `delay` (s) the one that they allow for; `progress_s` (m of C), `progress_time` (s): the last
-    place where the ego got on; `escapes`: how many it has tried there. `waiting_since` (s): since when it waits for a gap
+    place where the ego got on, and from when on that is held against it; `got_on` (s): when it did; `escapes`: how many it
+    has tried there. `waiting_since` (s): since when it waits for a gap
     to change lanes (None: it does not). `released`: the next connection whose light lets the ego go (empty: none does),
     since when (s); `lost`: that before which the ego has stood through a whole green (empty: none). `move`: which of
     the plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
@@ -85,6 +86,7 @@ class PilotMemory(NamedTuple):
     delay: float = 0.0
     progress_s: float = -math.inf
     progress_time: float = 0.0
+    got_on: float = 0.0
     escapes: int = 0
     waiting_since: float | None = None
     released: tuple[str, float] = ("", 0.0)
@@ -100,6 +102,11 @@ class PilotMemory(NamedTuple):
         has_stood = self.standing_since is not None and self.standing_since <= green
         lost = before if before and not connection_id and has_stood else self.lost
         return self._replace(released=(connection_id, since), lost=lost)
+
+    def waited_at(self, connection_id: str, time: float) -> float:
+        """How long the ego has not got on at `time`, first before a junction whose light lets its connection go, s."""
+        released, since = self.released
+        return time - max(since, self.got_on) if released == connection_id else 0.0
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

@@ -68,7 +68,7 @@ def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
     elif memory.standing_since is None:
         memory = memory._replace(standing_since=snapshot.time)
     if abs(snapshot.s - memory.progress_s) > snapshot.parameters.progress_m:
-        memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, escapes=0)
+        memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, got_on=snapshot.time, escapes=0)
     return memory._replace(kept=kept_waiting(snapshot, memory)) if snapshot.foes else memory
 
 

@@ -254,3 +254,19 @@ def test_who_stands_to_let_others_pass_is_waited_for_until_a_while_after_they_ha
             HIGHWAY_CODE, None, memory._replace(kept=kept),
         )  # fmt: skip
         assert (reason(found) is Reason.YIELD_TO) == is_waited_for, later
+
+
+@pytest.mark.parametrize(
+    ("kind", "away", "speed", "waited", "lets_in"),
+    [
+        (ConflictKind.MERGING, 6.0, 1.4, 95.0, True),
+        (ConflictKind.MERGING, 6.0, 1.4, 85.0, False),
+        (ConflictKind.CROSSING, 6.0, 1.4, 95.0, False),
+        (ConflictKind.MERGING, 3.0, 1.4, 95.0, False),
+        (ConflictKind.MERGING, 12.0, 3.1, 95.0, False),
+    ],
+)
+def test_who_crawls_in_a_queue_is_driven_in_before_by_an_ego_that_has_waited_for_long(kind, away, speed, waited, lets_in):
+    since = STANDING.time - waited
+    ego = STANDING.having_stood(waited).remembering(released=(STANDING.connection.id, since), got_on=since)
+    assert ("x" not in judged(rules(ego, comes(away, away, speed, kind=kind, must_yield=True)))) is lets_in

@@ -40,7 +40,7 @@ def asked(ego: Situation, snapshot: Snapshot, change: TimeConstraint | None = No
 def waited(seconds: float) -> Situation:
     """The ego that has stood first before the junction for so long though it may go."""
     since = STANDING.time - seconds
-    return STANDING.remembering(standing_since=since, released=(STANDING.connection.id, since))
+    return STANDING.remembering(standing_since=since, got_on=since, released=(STANDING.connection.id, since))
 
 
 def stays(ego: Situation, *users, **connection) -> bool:
@@ -58,12 +58,12 @@ def test_a_junction_that_need_not_be_kept_clear_is_kept_clear_for_a_while(users,
     assert stays(waited(200.0), *users, keep_clear=True)
 
 
-def test_waiting_counts_only_where_the_light_let_the_ego_go_and_while_it_stood():
-    since = STANDING.time - 50.0
-    another = STANDING.remembering(standing_since=since, released=("another", since))
-    just_stopped = STANDING.remembering(standing_since=STANDING.time - 1.0, released=(STANDING.connection.id, since))
-    just_green = STANDING.remembering(standing_since=since, released=(STANDING.connection.id, STANDING.time - 1.0))
-    for ego in (another, just_stopped, just_green):
+def test_waiting_counts_only_where_the_light_let_the_ego_go_and_while_it_did_not_get_on():
+    since, own = STANDING.time - 50.0, STANDING.connection.id
+    another = STANDING.remembering(got_on=since, released=("another", since))
+    just_came = STANDING.remembering(got_on=STANDING.time - 1.0, released=(own, since))
+    just_green = STANDING.remembering(got_on=since, released=(own, STANDING.time - 1.0))
+    for ego in (another, just_came, just_green):
         assert stays(ego, QUEUE, keep_clear=False)
 
 

@@ -40,7 +40,7 @@ def taken_by(way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: Veh
     """
     if not snapshot.parameters.has(Mechanism.ROOM_BEHIND):
         return ""
-    p, waited = limits.parameters, _waited(way, snapshot, memory)
+    p, waited = limits.parameters, memory.waited_at(way.connection.id, snapshot.time)
     if _may_wait(way, snapshot, limits.service_deceleration) and waited < p.queue_patience_s:
         nose = _nose_in_the_way(way, snapshot, limits)  # the ego has to brake for that body anyway
         if nose:
@@ -53,7 +53,8 @@ def taken_by(way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: Veh
     time = travel_time(behind - snapshot.front, snapshot.ego.speed, limits.acceleration_in_plan, way.pace)
     ahead = (o for o in snapshot.on_path if o.start > snapshot.front and o.along > -STANDING_SPEED)
     along = [o for o in ahead if abs(o.across) <= max(o.along, 1.0)]
-    return _too_near(along, time, (way.passage.start, behind), snapshot.parameters.comfort_deceleration)
+    braking = math.nan if waited > p.queue_patience_s else snapshot.parameters.comfort_deceleration
+    return _too_near(along, time, (way.passage.start, behind), braking)
 
 
 def _nose_in_the_way(way: Crossing, snapshot: Snapshot, limits: VehicleLimits) -> str:
@@ -70,13 +71,14 @@ def _too_near(obstacles: list[PathObstacle], time: float, post: tuple[float, flo
     """Return whose rear will not have left a junction and the room behind it, `post` (from, to, m of C), after `time` s
     (empty: everybody's).
 
-    Who moves gets no farther than those ahead let him, and who crawls may stop at once, by `braking` (m/s²). Who is still
+    Who moves gets no farther than those ahead let him, and who crawls may stop at once, by `braking` (m/s²; NaN: he goes on
+    crawling, as he has done while the ego waited). Who is still
     before the line may yet turn off, and counts only where he would fill up a queue.
     """
     ahead: list[tuple[float, float]] = []
     for obstacle in sorted(obstacles, key=lambda one: -one.start):
         way = max(obstacle.along, 0.0) * time
-        if obstacle.along < QUEUED_SPEED:
+        if obstacle.along < QUEUED_SPEED and not math.isnan(braking):
             way = min(way, max(obstacle.along, 0.0) * (1.0 + 0.5 * obstacle.along / braking))
         is_inside = obstacle.start > post[0]
         own = obstacle.start + way if is_inside else math.inf
@@ -93,12 +95,6 @@ def _may_wait(way: Crossing, snapshot: Snapshot, braking: float) -> bool:
     """Whether `braking` (m/s²) still stops the ego before the junction."""
     room = way.line - HARD_STOP_MARGIN_M - snapshot.front
     return snapshot.front <= way.passage.start and snapshot.ego.speed**2 <= 2.0 * braking * max(room, 0.0)
-
-
-def _waited(way: Crossing, snapshot: Snapshot, memory: PilotMemory) -> float:
-    """Return how long (s) the ego has stood first before a junction though its light lets it go."""
-    released, since = memory.released
-    return min(memory.standing_for(snapshot.time), snapshot.time - since) if released == way.connection.id else 0.0
 
 
 def _patience(way: Crossing, snapshot: Snapshot) -> float:
@@ -124,7 +120,8 @@ def wait_before(
     if not p.has(Mechanism.ROOM_BEHIND) or way.last == -math.inf:
         return None
     clear = max(is_clear_at(way, limits), way.passage.start + limits.length)
-    if not _may_wait(way, snapshot, p.planned_deceleration) or _waited(way, snapshot, memory) > p.queue_patience_s:
+    waited = memory.waited_at(way.connection.id, snapshot.time)
+    if not _may_wait(way, snapshot, p.planned_deceleration) or waited > p.queue_patience_s:
         return None
     inside = (stop for stop in stops if way.line < stop.s < clear and stop.reason not in _MADE_THERE)
     first = min(inside, key=lambda stop: stop.s, default=None)

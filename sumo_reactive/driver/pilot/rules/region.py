@@ -18,8 +18,16 @@ from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
 from sumo_reactive.driver.pilot.assessment import leader_table, passing, simulate, way_of, would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
-from sumo_reactive.driver.pilot.rules.gaps import Judgement, Passing, follows_at, threat, turning
+from sumo_reactive.driver.pilot.rules.gaps import (
+    FOLLOWER_STANDSTILL_GAP_M,
+    Judgement,
+    Passing,
+    follows_at,
+    threat,
+    turning,
+)
 from sumo_reactive.driver.pilot.rules.lights import holds_back, letter_of, outranks
+from sumo_reactive.driver.pilot.rules.post_conflict import QUEUED_SPEED
 from sumo_reactive.driver.pilot.rules.trust import (
     WAIT_INTO_M,
     gives_way,
@@ -182,7 +190,19 @@ def counted(
     if _takes_turns(foe, crossing) and _is_ahead_of(foe, crossing.passage.start - front, to_region):
         return None
     committed = _is_committed(foe.conflict, crossing, snapshot, limits)
-    return None if gives_way(foe, committed, crossing, snapshot.parameters) else Counted(foe, committed)
+    lets_go = gives_way(foe, committed, crossing, snapshot.parameters) or _lets_in(foe, crossing, snapshot, memory)
+    return None if lets_go else Counted(foe, committed)
+
+
+def _lets_in(foe: Foe, crossing: Crossing, snapshot: Snapshot, memory: PilotMemory) -> bool:
+    """Whether a foe crawls in a queue that an ego which has waited for long may drive into before him: he stops with ease
+    for whom he then follows."""
+    user, p = foe.user, snapshot.parameters
+    if foe.conflict.region.kind is not ConflictKind.MERGING or user.body.is_person or user.speed >= QUEUED_SPEED:
+        return False
+    stops_within = user.speed * user.speed / (2.0 * p.easy_stop_deceleration) + user.speed * p.follower_headway_s
+    waited = memory.waited_at(crossing.connection.id, snapshot.time)
+    return foe.to_region > stops_within + FOLLOWER_STANDSTILL_GAP_M and waited > p.queue_patience_s
 
 
 def _foreseen(
