@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
+from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 
 LONG_M = 8.0
@@ -36,7 +37,7 @@ def foreseen_pose(box: Floats, t: float, turn_rate: float) -> tuple[float, float
 def within_reach(
     x: float, y: float, heading: float, speed: float, middle: float, radius: float, boxes: Floats, horizon: float
 ) -> NDArray[np.int64]:
-    """Return which of `boxes` (n, 8) are ahead of the ego's middle and could be touched within `horizon` s.
+    """Return which of `boxes` (n, 8) are ahead of the ego's middle, or stand, and could be touched within `horizon` s.
 
     The ego's middle is `middle` m ahead of its rear axle at (x, y), its body within `radius` m of that.
     """
@@ -48,7 +49,7 @@ def within_reach(
         dx, dy = boxes[k, 0] - cx, boxes[k, 1] - cy
         reach = radius + boxes[k, 4] + boxes[k, 5] + (speed + boxes[k, 3]) * horizon + 1.0
         ahead = (boxes[k, 0] - x) * c + (boxes[k, 1] - y) * s
-        if ahead > middle and dx * dx + dy * dy < reach * reach:
+        if (ahead > middle or boxes[k, 3] < STANDING_SPEED) and dx * dx + dy * dy < reach * reach:
             found[n] = k
             n += 1
     return found[:n]
@@ -63,9 +64,9 @@ def braking_collides(
 
     The others keep their speed. Who turns may go on turning or go straight on: only where both ways touch, braking is no
     matter of what he will do. A car that comes round a bend does not hit the ego, nor does one that waits to turn across its
-    path; that one is the pilot's matter. A long body beside that has begun to turn goes on. Who now has the front behind the
-    ego's middle, or is touched only while the ego stands, has to look out himself; who leaves the road at the end of his way
-    touches nobody behind it. `boxes` (n, 8):
+    path; that one is the pilot's matter. A long body beside that has begun to turn goes on. Who drives with the front behind
+    the ego's middle, or is touched only while the ego stands, has to look out himself; who leaves the road at the end of his
+    way touches nobody behind it. `boxes` (n, 8):
     front x, y, heading, speed, length, width, turn rate (rad/s), way left (m).
     """
     middle = axle_to_front - 0.5 * length

@@ -138,3 +138,18 @@ def test_the_tail_of_a_long_body_comes_over_an_ego_that_has_braked_to_a_stand(le
     beside = (10.5, 3.4, 0.0, 3.0, length, 2.5)
     assert not collides(1.5, beside, horizon=0.2, turn=0.3)
     assert collides(1.5, beside, horizon=2.0, turn=0.3) is touches
+
+
+@pytest.mark.parametrize(("speed", "touches"), [(0.0, True), (2.0, False)])
+def test_the_side_is_not_turned_into_who_stands_beside_it_and_who_drives_there_looks_out_himself(speed, touches):
+    """His front is just behind the middle of the ego, 0.2 m to the left of its body."""
+    beside = (1.2, 0.5 * (CAR.width + 1.8) + 0.2, 0.0, speed, 4.0, 1.8, 0.0, math.inf)
+
+    def turning(angle: float) -> bool:
+        return braking_collides(
+            0.0, 0.0, 0.0, 5.0, angle, CAR.wheelbase, CAR.front_to_rear_axle, CAR.length, CAR.width, 4.0,
+            np.array([beside]), 0.0, 2.0, 0.1,
+        )  # fmt: skip
+
+    assert not turning(0.0)
+    assert turning(0.6) is touches
