@@ -100,3 +100,11 @@ def test_a_yellow_is_stopped_at_only_where_planned_braking_ends_before_the_line(
     way = speed**2 / (2.0 * USUAL.yellow_deceleration) + HARD_STOP_MARGIN_M
     assert stop_for("y", way + 0.2, speed).reason is Reason.YELLOW_LIGHT
     assert stop_for("y", way - 0.1, speed) is None
+
+
+@pytest.mark.parametrize(("to", "stops"), [("to_north", False), ("to_east", True)])
+def test_who_brakes_for_a_turn_does_not_come_to_the_line_when_it_has_become_red(to, stops):
+    """It could pass at yellow if it went straight on; braking for the turn takes it nearly 3 s to the line."""
+    ego = before(CROSSING, ("from_south", to), 28.5, 13.2)
+    stop = ego.stop(lights=letters("y", ego.connection.light.index))
+    assert (stop is not None and stop.reason is Reason.YELLOW_LIGHT) is stops

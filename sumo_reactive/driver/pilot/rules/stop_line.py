@@ -66,16 +66,27 @@ def _yellow_since(name: str, letter: str, time: float, memory: PilotMemory) -> t
 
 
 def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, red: float) -> bool:
-    """Whether the ego, since it means to stop behind the line (at a second line, or a queue), passes it hardly before `red`
-    (s) or later, and can still stop there by braking harder than for any yellow."""
+    """Whether the ego, since it means to stop behind the line (at a second line, or a queue) or to turn there, passes it
+    hardly before `red` (s) or later, and can still stop there by braking harder than for any yellow."""
     speed, to_line = snapshot.ego.speed, way.passage.start - snapshot.front
-    if way.stop == math.inf or speed * speed > 2.0 * limits.service_deceleration * max(to_line - HARD_STOP_MARGIN_M, 0.0):
+    if speed * speed > 2.0 * limits.service_deceleration * max(to_line - HARD_STOP_MARGIN_M, 0.0):
         return False
-    to_stop = max(way.stop - snapshot.front, to_line)
-    braking_way = min(speed * speed / (2.0 * limits.comfort_deceleration), to_stop)
-    before, rate = to_stop - braking_way, speed * speed / (2.0 * braking_way)
+    to_turn = to_line + 0.5 * (way.passage.end - way.passage.start)
+    places = (max(way.stop - snapshot.front, to_line), 0.0), (to_turn, way.pace)
+    latest = max(_time_to_line(to_line, speed, place, slow, limits) for place, slow in places)
+    return snapshot.time + latest > red - snapshot.parameters.red_margin_s
+
+
+def _time_to_line(to_line: float, speed: float, to_place: float, slow: float, limits: VehicleLimits) -> float:
+    """Return when an ego that brakes comfortably to be as `slow` (m/s) at a place behind the line passes that, s; at once,
+    if it need not brake for that."""
+    if to_place == math.inf or slow >= speed:
+        return 0.0
+    gone = speed * speed - slow * slow
+    braking_way = min(gone / (2.0 * limits.comfort_deceleration), to_place)
+    before, rate = to_place - braking_way, gone / (2.0 * braking_way)
     lost = math.sqrt(max(speed * speed - 2.0 * rate * max(to_line - before, 0.0), 0.0))
-    return snapshot.time + min(to_line, before) / speed + (speed - lost) / rate > red - snapshot.parameters.red_margin_s
+    return min(to_line, before) / speed + (speed - lost) / rate
 
 
 def _place(way: Crossing, snapshot: Snapshot) -> float:
