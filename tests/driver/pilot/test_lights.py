@@ -108,3 +108,11 @@ def test_who_brakes_for_a_turn_does_not_come_to_the_line_when_it_has_become_red(
     ego = before(CROSSING, ("from_south", to), 28.5, 13.2)
     stop = ego.stop(lights=letters("y", ego.connection.light.index))
     assert (stop is not None and stop.reason is Reason.YELLOW_LIGHT) is stops
+
+
+@pytest.mark.parametrize(("since", "stops"), [(97.8, True), (99.5, False)])
+def test_who_has_braked_for_a_yellow_does_not_think_better_of_it_when_it_is_nearly_red(since, stops):
+    """So near it would be too near for a yellow that has just begun, slow as it is."""
+    ego = before(CROSSING, ("from_south", "to_north"), 8.0, 7.2)
+    stop = ego.remembering(yellows=((ego.connection.id, since),)).stop(lights=letters("y", ego.connection.light.index))
+    assert (stop is not None and stop.reason is Reason.YELLOW_LIGHT) is stops

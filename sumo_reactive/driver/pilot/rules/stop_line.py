@@ -78,10 +78,10 @@ def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, re
 
 
 def _time_to_line(to_line: float, speed: float, to_place: float, slow: float, limits: VehicleLimits) -> float:
-    """Return when an ego that brakes comfortably to be as `slow` (m/s) at a place behind the line passes that, s; at once,
-    if it need not brake for that."""
+    """Return when an ego that brakes comfortably to be as `slow` (m/s) at a place behind the line passes that, s; at its
+    speed, if it need not brake for that."""
     if to_place == math.inf or slow >= speed:
-        return 0.0
+        return to_line / speed
     gone = speed * speed - slow * slow
     braking_way = min(gone / (2.0 * limits.comfort_deceleration), to_place)
     before, rate = to_place - braking_way, gone / (2.0 * braking_way)
