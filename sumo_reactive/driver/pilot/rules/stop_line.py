@@ -66,8 +66,8 @@ def _yellow_since(name: str, letter: str, time: float, memory: PilotMemory) -> t
 
 
 def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, red: float) -> bool:
-    """Whether the ego, since it means to stop behind the line (at a second line, or a queue) or to turn there, passes it
-    hardly before `red` (s) or later, and can still stop there by braking harder than for any yellow."""
+    """Whether the ego passes the line hardly before `red` (s) or later, at its speed or since it means to stop behind it (at
+    a second line, or a queue) or to turn there, and can still stop by braking harder than for a fresh yellow."""
     speed, to_line = snapshot.ego.speed, way.passage.start - snapshot.front
     if speed * speed > 2.0 * limits.service_deceleration * max(to_line - HARD_STOP_MARGIN_M, 0.0):
         return False
