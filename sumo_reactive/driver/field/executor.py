@@ -28,6 +28,7 @@ from sumo_reactive.driver.nouns.record import TOO_NEAR, CommandField
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.vehicle.bicycle import advance
+from sumo_reactive.driver.vehicle.body import box_of, own_box
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
@@ -147,14 +148,12 @@ def _of_grid(
 def _apart_from(snapshot: Snapshot, limits: VehicleLimits) -> Floats:
     """Return the boxes without those beside or behind the ego that touch it already: it could not be kept clear of them by
     any command, and would stand there for ever."""
-    (x, y, heading), length = snapshot.ego.pose, limits.length
-    c, s, middle = math.cos(heading), math.sin(heading), limits.front_to_rear_axle - 0.5 * length
-    own = x + middle * c, y + middle * s, heading, length, limits.width
+    own = x, y, heading, length, _ = own_box(snapshot.ego.pose, limits)
+    c, s = math.cos(heading), math.sin(heading)
 
-    def is_apart(box: list[float]) -> bool:
-        bx, by = box[0] - 0.5 * box[4] * math.cos(box[2]), box[1] - 0.5 * box[4] * math.sin(box[2])
-        is_ahead = (bx - own[0]) * c + (by - own[1]) * s > 0.5 * length
-        return is_ahead or not boxes_overlap(*own, bx, by, box[2], box[4], box[5])
+    def is_apart(row: list[float]) -> bool:
+        box = bx, by, *_ = box_of(*row[:3], *row[4:6])
+        return (bx - x) * c + (by - y) * s > 0.5 * length or not boxes_overlap(*own, *box)
 
     return snapshot.boxes[[k for k, box in enumerate(snapshot.boxes.tolist()) if is_apart(box)]]
 

@@ -9,6 +9,7 @@ from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_END_M, MOVE_SP
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.vehicle.bicycle import advance, advance_pose
+from sumo_reactive.driver.vehicle.body import Box, box_of, own_box
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 
 MOVE_SIGHT_M = 0.8
@@ -99,19 +100,12 @@ def _of(pose: Pose) -> tuple[float, float, float]:
     return pose.x, pose.y, pose.heading
 
 
-_Box = tuple[float, float, float, float, float]
-"""Centre (m, m), heading (rad), length, width (m)."""
-
-
-def _places(x: float, y: float, heading: float, speed: float, length: float, width: float) -> list[_Box]:
+def _places(x: float, y: float, heading: float, speed: float, length: float, width: float) -> list[Box]:
     """Return the boxes that a body with its front at (`x`, `y`) covers now and soon."""
-    c, s = math.cos(heading), math.sin(heading)
     ways = (0.0,) if speed == 0.0 else (0.0, speed * FORESEEN_S)
-    return [(x + (way - 0.5 * length) * c, y + (way - 0.5 * length) * s, heading, length, width) for way in ways]
+    return [box_of(x + way * math.cos(heading), y + way * math.sin(heading), heading, length, width) for way in ways]
 
 
-def _touched(pose: Pose, box: _Box, limits: VehicleLimits) -> bool:
+def _touched(pose: Pose, box: Box, limits: VehicleLimits) -> bool:
     """Whether the ego at `pose` (of its rear axle) comes too near to a box."""
-    middle = limits.front_to_rear_axle - 0.5 * limits.length
-    x, y = pose.x + middle * math.cos(pose.heading), pose.y + middle * math.sin(pose.heading)
-    return boxes_overlap(x, y, pose.heading, limits.length, limits.width + 2.0 * SIDE_CLEARANCE_M, *box)
+    return boxes_overlap(*own_box(pose, limits, beside=SIDE_CLEARANCE_M), *box)

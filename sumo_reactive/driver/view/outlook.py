@@ -15,6 +15,7 @@ from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
+from sumo_reactive.driver.vehicle.body import box_of, own_box
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import SAFE_GAP_M
 from sumo_reactive.driver.view.attention import ATTENTION_MIN_AHEAD_M
@@ -74,8 +75,8 @@ def hindered_by(
 ) -> Iterator[Hindered]:
     """Yield the vehicles that have not halted and whose ways lead by a standing ego, those behind it left out, and whether
     each could go on without touching it."""
-    ego, reach = snapshot.ego.pose, limits.front_to_rear_axle
-    front, middle = ego.ahead(reach), ego.ahead(reach - 0.5 * limits.length)
+    ego = snapshot.ego.pose
+    front, boxes = ego.ahead(limits.front_to_rear_axle), [own_box(ego, limits, around) for around in (_BY_M, _APART_M)]
     for user in users:
         away = user.x - front[0], user.y - front[1]
         if user.is_halted or user.body.is_person or math.hypot(*away) > HINDERED_WITHIN_M:
@@ -85,19 +86,10 @@ def hindered_by(
             continue
         ways = np.arange(_PAST_STEP_M, _PAST_M + user.body.length, _PAST_STEP_M)
         places = [place for way in ways for place in places_after(graph, user._replace(speed=1.0), way)[1:]]
-        comes_by, touches = (
-            any(_touches((*middle, ego.heading, limits.length + 2.0 * m, limits.width + 2.0 * m), place) for place in places)
-            for m in (_BY_M, _APART_M)
-        )
+        bodies = [box_of(*place[:3], *place[4:]) for place in places]
+        comes_by, touches = (any(boxes_overlap(*own, *body) for body in bodies) for own in boxes)
         if comes_by:
             yield Hindered(user.id, user.waiting_time >= HINDERED_S, not touches)
-
-
-def _touches(own: tuple[float, float, float, float, float], place: tuple[float, ...]) -> bool:
-    """Whether a box (middle x, y, heading, length, width) overlaps a place (front x, y, heading, speed, length, width)."""
-    x, y, heading, _, length, width = place
-    half = 0.5 * length
-    return boxes_overlap(*own, x - half * math.cos(heading), y - half * math.sin(heading), heading, length, width)
 
 
 _POSE_STEP_M = 0.5

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -16,6 +15,7 @@ from sumo_reactive.driver.nouns.plan import NominalPlan, Passage
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.vehicle.body import box_of
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
     ATTENTION_MIN_AHEAD_M,
@@ -157,11 +157,8 @@ def _stands_beside(obstacle: PathObstacle, ego: VehicleState, front: float, step
     if user.speed >= STANDING_SPEED or obstacle.end >= front + step:
         return False
     x, y = ego.pose.ahead(limits.front_to_rear_axle + 0.5 * step)
-    half = 0.5 * user.body.length
-    bx, by = user.x - half * math.cos(user.heading), user.y - half * math.sin(user.heading)
-    return not boxes_overlap(
-        x, y, ego.pose.heading, step, limits.width, bx, by, user.heading, user.body.length, user.body.width
-    )
+    box = box_of(user.x, user.y, user.heading, user.body.length, user.body.width)
+    return not boxes_overlap(x, y, ego.pose.heading, step, limits.width, *box)
 
 
 def _swings_back(

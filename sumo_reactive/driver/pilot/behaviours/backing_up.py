@@ -14,6 +14,7 @@ from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.passed import lateral_for, passed
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+from sumo_reactive.driver.vehicle.body import clear_behind
 
 BACK_UP_CLEAR_M = 2.0
 """Room that must be left behind the ego after backing up."""
@@ -123,25 +124,14 @@ def _is_too_near(situation: Situation, x: PathObstacle) -> bool:
     enough = situation.limits.parameters.halted_room_m - (_BACKED_UP_M if backing else _TOO_NEAR_M)
     if gap > enough or _would_back_into_junction(situation, x) or lateral_for(situation, passed(situation, x))[0] == 0.0:
         return False
-    return clear_behind(situation) >= situation.limits.parameters.halted_room_m - gap + BACK_UP_CLEAR_M
+    clear = clear_behind(snapshot.boxes, snapshot.ego.pose, situation.limits)
+    return clear >= situation.limits.parameters.halted_room_m - gap + BACK_UP_CLEAR_M
 
 
 def _would_back_into_junction(situation: Situation, x: PathObstacle) -> bool:
     """Whether the ego's rear would come to stand inside an intersection that it has passed."""
     rear, front = x.start - situation.limits.parameters.halted_room_m - situation.limits.length, situation.snapshot.front
     return any(passage.start < front and rear < passage.end for passage in situation.plan.passages)
-
-
-def clear_behind(situation: Situation) -> float:
-    """Return how far behind the rear bumper the next body is, a lane's width to either side, m (infinite: nobody near)."""
-    pose, limits, clear = situation.snapshot.ego.pose, situation.limits, math.inf
-    c, s = math.cos(pose.heading), math.sin(pose.heading)
-    for x, y, heading, _, length, width, *_ in situation.snapshot.boxes.tolist():
-        mx, my = x - 0.5 * length * math.cos(heading) - pose.x, y - 0.5 * length * math.sin(heading) - pose.y
-        behind = -(mx * c + my * s) - limits.rear_overhang - 0.5 * length
-        if behind > -limits.length and abs(my * c - mx * s) < 0.5 * (limits.width + width) + 0.5:
-            clear = min(clear, behind)
-    return clear
 
 
 def is_too_near(situation: Situation) -> bool:

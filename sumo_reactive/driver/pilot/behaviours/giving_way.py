@@ -8,8 +8,9 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction
 from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.forecast import Hindered
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.pilot.behaviours.backing_up import Escape, clear_behind, is_queued
+from sumo_reactive.driver.pilot.behaviours.backing_up import Escape, is_queued
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
+from sumo_reactive.driver.vehicle.body import clear_behind
 
 _BACK_M = 2.0
 """The ego backs up so far behind where it last came on, or as far as it can, …"""
@@ -52,8 +53,9 @@ def give_way(situation: Situation) -> Escape | None:
 def _place_behind(situation: Situation) -> float:
     """Return where the front bumper is to be, m of C, when the ego has backed up as far as it should and can."""
     snapshot = situation.snapshot
+    clear = clear_behind(snapshot.boxes, snapshot.ego.pose, situation.limits)
     wanted = situation.memory.progress_s + snapshot.front - snapshot.s - _BACK_M
-    return max(wanted, snapshot.front - clear_behind(situation) + _BEHIND_M)
+    return max(wanted, snapshot.front - clear + _BEHIND_M)
 
 
 def _begins(situation: Situation) -> bool:
