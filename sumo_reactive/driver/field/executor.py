@@ -28,12 +28,15 @@ from sumo_reactive.driver.nouns.record import TOO_NEAR, CommandField
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import Command, Pose, VehicleState
 from sumo_reactive.driver.vehicle.bicycle import advance
-from sumo_reactive.driver.vehicle.body import box_of, own_box
+from sumo_reactive.driver.vehicle.body import box_of, clear_behind, own_box
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
 BACK_UP_SPEED = 1.0
 """m/s; walking speed."""
+
+LEFT_BEHIND_M = 0.4
+"""An ego that backs up stops this far before whoever is behind it."""
 
 COARSE_STOP_MARGIN_M = 0.4
 """Distance to a line that none of the nine commands gives up, each held half a second: with less they creep on until it is
@@ -206,10 +209,12 @@ def _car(ego: VehicleState, completed: CompletedPlan, limits: VehicleLimits) -> 
 
 
 def back_up(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits, period: float) -> Execution:
-    """Drive backwards at walking speed, wheels straight, until the front bumper is at the stop that the pilot named."""
+    """Drive backwards at walking speed, wheels straight, until the front bumper is at the stop that the pilot named, or the
+    rear bumper near whoever has come up behind meanwhile."""
     ego = snapshot.ego
     stop = completed.stop
-    left = max(snapshot.front - stop.s, 0.0) if stop is not None else 0.0
+    clear = clear_behind(snapshot.boxes, ego.pose, limits) - LEFT_BEHIND_M
+    left = max(min(snapshot.front - stop.s, clear), 0.0) if stop is not None else 0.0
     calm = limits.max_acceleration * completed.tuning.profile.acceleration
     faster = max(-ego.speed, 0.0) + calm * period
     wanted = -min(BACK_UP_SPEED, math.sqrt(2.0 * calm * left), faster)

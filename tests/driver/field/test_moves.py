@@ -8,7 +8,7 @@ import pytest
 from helpers.cars import CAR, car_at
 from helpers.curves import asked, plan_along, seen, straight
 
-from sumo_reactive.driver.field.executor import BACK_UP_SPEED, back_up, execute
+from sumo_reactive.driver.field.executor import BACK_UP_SPEED, LEFT_BEHIND_M, back_up, execute
 from sumo_reactive.driver.field.moves import moved_on
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
@@ -142,12 +142,13 @@ def test_a_car_under_way_that_finds_somebody_in_its_way_brakes_in_comfort():
     assert command.acceleration == pytest.approx(-CAR.comfort_deceleration)
 
 
-def backed(ego: VehicleState, to: float | None):
+def backed(ego: VehicleState, to: float | None, *others):
     """The execution of backing up to a stop, None: none is named."""
     completed = replace(
         asked(ROAD, None if to is None else stop_at(to, Reason.NO_ROOM_TO_PASS)), instruction=Instruction.BACK_UP
     )
-    return execute(seen(ego, ROAD, 42.0), completed, CAR, PERIOD), back_up(seen(ego, ROAD, 42.0), completed, CAR, PERIOD)
+    snapshot = seen(ego, ROAD, 42.0, others)
+    return execute(snapshot, completed, CAR, PERIOD), back_up(snapshot, completed, CAR, PERIOD)
 
 
 def test_backing_up_ends_with_the_bumper_at_the_stop():
@@ -172,3 +173,11 @@ def test_backing_up_gains_speed_calmly_with_the_wheels_straightened():
 @pytest.mark.parametrize("to", [None, 60.0])
 def test_without_a_stop_behind_the_bumper_it_does_not_back_up(to):
     assert backed(standing(0.0), to)[0].state.speed == 0.0
+
+
+def test_backing_up_ends_before_whoever_has_come_up_behind():
+    ego, behind = standing(0.0), 40.0 - CAR.rear_overhang - 3.0
+    for _ in range(200):
+        ego = backed(ego, 20.0, car_at("x", behind, 0.0, 0.0, 0.0))[0].state
+    assert ego.pose.x - CAR.rear_overhang - behind == pytest.approx(LEFT_BEHIND_M, abs=0.1)
+    assert ego.speed == pytest.approx(0.0, abs=0.05)
