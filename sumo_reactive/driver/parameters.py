@@ -296,6 +296,12 @@ class Parameters:
     """A queue is left for one that is expected to be shorter by this for each lane change, which costs comfort and may not
     come to pass: less than a red light costs, more than four cars."""
 
+    faster_lane_s: float = 30.0
+    """So far ahead the ego compares how its lane and those beside get on."""
+
+    faster_gain_s: float = 3.0
+    """A lane that gets on faster by this in that time is worth each lane change that it costs."""
+
     missed_turn_s: float = 25.0
     """An ego that has waited so long at the end of its lane, while traffic keeps passing, looks for another way…"""
 

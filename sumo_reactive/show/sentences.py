@@ -138,6 +138,10 @@ REASONS: dict[Reason, Wording] = {
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",
     ),
+    Reason.FASTER_LANE: Wording(
+        "stays on its lane behind {cause} although lane {region} gets on faster",
+        "changes to lane {region}, which gets on faster than behind {cause}",
+    ),
     Reason.BLOCKED: Wording("is blocked by {cause}", "goes on although {cause} blocks the way"),
     Reason.SLOW_AHEAD: Wording(
         "keeps behind {cause}, which is slow or has halted",

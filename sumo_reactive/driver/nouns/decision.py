@@ -62,6 +62,7 @@ class Reason(Enum):
     GAP_CLOSED = "the gap on the other lane has closed"
     MERGE_AHEAD = "the lane ends in a merge, and there is a gap on the lane beside"
     QUEUE_CHANGE = "the queue ahead is held up, and a lane beside leads on as well"
+    FASTER_LANE = "a lane beside that leads on as well gets on faster"
     BLOCKED = "the way is blocked"
     SLOW_AHEAD = "somebody ahead is slow or has halted, and the gap to pass is proven"
     GAP_LOST = "the gap to pass is lost"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -57,13 +58,15 @@ class Queued(NamedTuple):
 class Queue(NamedTuple):
     """Who is before the ego on lane `lane_id` up to the end of the junction behind it, the farthest first.
 
-    `way` leads there from the ego's lane (None: it is the ego's own); then `near` are those whom a change must leave a gap.
+    `speed_limit` (m/s) is the lane's. `way` leads there from the ego's lane (None: it is the ego's own); then `near` are
+    those whom a change must leave a gap.
     """
 
     lane_id: str
     users: tuple[Queued, ...]
     way: ParallelLane | None = None
     near: tuple[Neighbour, ...] = ()
+    speed_limit: float = math.inf
 
 
 class Hindered(NamedTuple):

@@ -102,7 +102,7 @@ class ParallelLane:
     left, −1 right), with no change back on this road.
 
     `cost`: that of the change, and of the later ones that it adds or saves, in lane changes. `merges`: at the end of the
-    road `from_lane` has to yield to `to_lane`, and both lead into one lane.
+    road `from_lane` has to yield to `to_lane`, and both lead into one lane. `is_inner`: it is farther from the kerb.
     """
 
     from_lane: str
@@ -110,6 +110,7 @@ class ParallelLane:
     side: int
     cost: float
     merges: bool = False
+    is_inner: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -227,7 +227,7 @@ def _beside(choice: LaneChoice, segment: LaneSegment) -> Iterator[ParallelLane]:
             cost = 1.0 + onward[index].cost - onward[own.index].cost
             yield ParallelLane(
                 from_lane=own.id, to_lane=lanes[index].id, side=side, cost=cost,
-                merges=_merges(choice, number, own.index, index),
+                merges=_merges(choice, number, own.index, index), is_inner=index > own.index,
             )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
@@ -47,18 +48,20 @@ def detect(
 
 
 def premises_of(
-    view: View, made: CompletedPlan, memory: PilotMemory, rules: Rules, *, looks_beside: bool, is_settled: bool
+    view: View, made: CompletedPlan, memory: PilotMemory, rules: Rules, *, looks_beside_s: float, is_settled: bool
 ) -> Premises:
     """Return what the decision `made` now rests on; `rules`: what the highway code asked for.
 
-    `looks_beside`: it rests on those on the lane beside; `is_settled`: on none of the others, for a light or a time decides.
+    `looks_beside_s`: after so long it looks anew at the lane beside (infinite: never); `is_settled`: it rests on none of the
+    others, for a light or a time decides.
     """
     snapshot, ahead, p = view.snapshot, view.ahead, view.limits.parameters
     plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
     is_seeking, asks = seeks(snapshot, plan), Rule.REGION in RULES[made.behaviour].asks
     due = {}
-    if not is_settled and (is_seeking or looks_beside):
-        due[EventKind.GAP_SOUGHT] = snapshot.time + p.trust_s
+    looks_beside_s = p.trust_s if is_seeking else looks_beside_s
+    if not is_settled and looks_beside_s < math.inf:
+        due[EventKind.GAP_SOUGHT] = snapshot.time + looks_beside_s
     if not is_settled and (memory.overtaking or made.sight):
         due[EventKind.PASS_TRIED] = snapshot.time + (p.trust_s if memory.overtaking or _is_blocked(snapshot) else p.retry_s)
     return Premises(

@@ -20,7 +20,7 @@ from sumo_reactive.driver.pilot.assessment import assess, failing_at
 from sumo_reactive.driver.pilot.behaviours import overtaking
 from sumo_reactive.driver.pilot.behaviours.backing_up import escape, room_behind
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import merge_early, seek_gap
-from sumo_reactive.driver.pilot.behaviours.changing_queues import leave_queue, released
+from sumo_reactive.driver.pilot.behaviours.changing_queues import LEAVES_FOR, leave_queue, released, seek_faster
 from sumo_reactive.driver.pilot.behaviours.giving_way import give_way
 from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
 from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
@@ -88,6 +88,7 @@ def decide(
     memory = memory.with_released(*released(snapshot, view.ways, memory))._replace(kept=kept_waiting(snapshot, memory))
     situation = _considered(view, outlook, events, memory)
     behaviour = next_behaviour(situation)
+    wishes = situation.changing.wishes
     situation, asked = _asked(situation, behaviour)
     turning = _turn(situation)
     situation, rules = _with_turn(*_with_room(situation, asked))
@@ -104,10 +105,11 @@ def decide(
     completed = _completed(situation, behaviour, orders, constraints, rules, style)
     if turning is not None:
         completed = replace(completed, move=turning.move)
-    changing = situation.changing
+    changing, p = situation.changing, snapshot.parameters
     beside = bool(changing.slot or changing.stop or outlook.comes_over) or view.plan.merging(snapshot.front) is not None
+    again = p.trust_s if beside else p.retry_s if wishes else math.inf
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
-    premises = premises_of(view, completed, memory, asked, looks_beside=beside, is_settled=settled)
+    premises = premises_of(view, completed, memory, asked, looks_beside_s=again, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
 
 
@@ -139,13 +141,16 @@ def _turn(situation: Situation) -> Turning | None:
 
 
 def _changing(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
-    """Return what the lane beside asks for: the one that the route needs, else one whose queue is over sooner."""
+    """Return what the lane beside asks for: the one that the route needs, else one whose queue is over sooner or that
+    gets on faster."""
     snapshot, plan, limits = view.snapshot, view.plan, view.limits
     changing = seek_gap(snapshot, plan, limits, memory.standing_for(snapshot.time))
     if changing == LaneChanging():
         changing = merge_early(snapshot, plan, view.ways, limits)
     if changing == LaneChanging():
         changing = leave_queue(snapshot, plan, outlook, view.ways, memory, limits)
+    if changing == LaneChanging():
+        changing = seek_faster(view, outlook, memory)
     return changing
 
 
@@ -204,7 +209,7 @@ def _request(situation: Situation, behaviour: Behaviour) -> Request:
     """Ask for the curve of a lane change that begins now, or for another way when nobody lets the ego change."""
     changing = situation.changing
     if changing.side or changing.calls_off:
-        left = changing.why is not None and changing.why.reason is Reason.QUEUE_CHANGE
+        left = changing.why is not None and changing.why.reason in LEAVES_FOR
         return Request(what=Replanning.CURVE, change_lane=changing.side, stays=left)
     return Request(what=Replanning.ROUTE) if behaviour is Behaviour.TAKING_ANOTHER_WAY else Request()
 

@@ -35,7 +35,7 @@ class LaneChanging(NamedTuple):
 
     Begin it now to `side` (0: not now), stop at the latest by `stop`, and meanwhile stay behind `slot`, the vehicle on
     the other lane that the ego will follow. `why`: the reason for a change that the route does not need, or for calling off
-    one that has begun (`calls_off`).
+    one that has begun (`calls_off`). `wishes`: there is no gap yet for one that the ego would rather make.
     """
 
     side: int = 0
@@ -43,6 +43,7 @@ class LaneChanging(NamedTuple):
     slot: str = ""
     why: Decision | None = None
     calls_off: bool = False
+    wishes: bool = False
 
 
 class Situation(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.forecast import LaneBeside, Queue, Queued
-from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan
+from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Neighbour, Snapshot
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.view.attention import ATTENTION_BEHIND_M, lane_axis
@@ -58,11 +58,13 @@ def queues(
     place = plan.curve.at(snapshot.front)[:2]
     exit_id = next((p.connection_id for p in plan.passages if p.end > snapshot.front), "")
     own_fears = feared(graph, exit_id) if exit_id in graph.connections else frozenset()
-    found = [Queue(here.lane_id, tuple(_before(traffic.users, graph, here.lane_id, place, own_fears)))]
-    for way in ways:
-        users = tuple(_before(traffic.users, graph, way.to_lane, place, own_fears))
-        found.append(Queue(way.to_lane, users, way, tuple(_near(traffic.users, graph, way.to_lane, place))))
-    return tuple(found)
+
+    def queue_on(lane_id: str, way: ParallelLane | None) -> Queue:
+        near = tuple(_near(traffic.users, graph, lane_id, place)) if way else ()
+        users = tuple(_before(traffic.users, graph, lane_id, place, own_fears))
+        return Queue(lane_id, users, way, near, graph.lanes[lane_id].speed_limit)
+
+    return (queue_on(here.lane_id, None), *(queue_on(way.to_lane, way) for way in ways))
 
 
 @kept(4096)

@@ -35,12 +35,13 @@ def outlook(
     users, duration = _concerned(snapshot), p.assessed_s
     if traffic.sight > 0.0:
         users, duration = traffic.users, p.overtaking_s
-    slow = p.slow_share * plan.road_speed(snapshot.s)
-    passing = plan.aside is not None or any(obstacle.along < slow for obstacle in snapshot.on_path)
+    slowest = min((obstacle.along for obstacle in snapshot.on_path), default=math.inf) / plan.road_speed(snapshot.s)
+    passing = plan.aside is not None or slowest < p.slow_share
     beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M)) if passing else ()
     here = next((segment for segment in plan.segments if front < segment.end), None)
     width = graph.lanes[here.lane_id].width if here else 0.0
-    waiting = queues(traffic, snapshot, plan, here, graph) if passing and here is not None else ()
+    hinders = plan.aside is not None or slowest < SLOWER_SHARE
+    waiting = queues(traffic, snapshot, plan, here, graph) if hinders and here is not None else ()
     comes_over = who_comes_over(traffic.users, snapshot, plan, graph, limits) if plan.turnarounds else ""
     sight = max(traffic.sight, ATTENTION_MIN_AHEAD_M)
     hindered = tuple(hindered_by(traffic.users, snapshot, graph, limits)) if looks_around else ()
@@ -56,6 +57,9 @@ def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
     reach = time * snapshot.ego.speed + ATTENTION_MIN_AHEAD_M / 2
     return tuple(u for u in users.values() if abs(u.x - pose.x) + abs(u.y - pose.y) < 1.5 * (reach + time * u.speed))
 
+
+SLOWER_SHARE = 0.95
+"""Who drives no slower than this share of the road's speed hinders nobody."""
 
 HINDERED_WITHIN_M = 20.0
 """Who is farther away, front to front, does not wait for a standing ego."""

@@ -1,4 +1,4 @@
-"""Leaving a queue that is held up, by somebody who waits to turn, for a lane beside that leads on as well."""
+"""Leaving a queue that is held up, or somebody slower, for a lane beside that leads on as well."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, leaves_gap, pending_change
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.memory import PilotMemory
-from sumo_reactive.driver.pilot.passages import Crossing
+from sumo_reactive.driver.pilot.passages import Crossing, View
 from sumo_reactive.driver.pilot.rules.lights import letter_of
 from sumo_reactive.driver.pilot.rules.post_conflict import QUEUED_SPEED
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
@@ -39,6 +39,15 @@ _CREEPING_ROOM_M = 0.5
 
 _LEAST_COST = 0.5
 """A change that the route asks for later anyway still costs this much of one now, so that it is not made for nothing."""
+
+LEAVES_FOR = (Reason.QUEUE_CHANGE, Reason.FASTER_LANE)
+"""Why the ego leaves a lane that leads on."""
+
+OUTER_PASSING_SPEED = 22.3
+"""m/s, 80 km/h; where more is allowed, nobody is passed on the outer side."""
+
+STARTING_S = 5.0
+"""Who gains speed is expected to do so for so long."""
 
 _NEAR_HEAD_M = 12.0
 """Who stands so near behind somebody who drives off will do so next."""
@@ -80,6 +89,54 @@ def leave_queue(
     if room < max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed):
         return LaneChanging()
     return _leave(snapshot, best, best.way, cause, limits)
+
+
+def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
+    """Change to a lane beside that gets on faster than the ego's, as soon as there is a gap; until then, wish to.
+
+    It must gain `faster_gain_s` on the ego's lane in the next `faster_lane_s` for each lane change that it costs.
+    """
+    snapshot, plan, limits, _, ways = view
+    p, speed = limits.parameters, snapshot.ego.speed
+    if not outlook.queues or speed < CREEPING_SPEED or not _is_free_to_choose(snapshot, plan, memory):
+        return LaneChanging()
+    (own, *others), top = outlook.queues, plan.road_speed(snapshot.s)
+    least = _way_in(own, top, own.speed_limit, limits)
+
+    def gain(queue: Queue) -> float:
+        way = queue.way
+        if way is None or not (way.is_inner or own.speed_limit <= OUTER_PASSING_SPEED):
+            return -math.inf
+        needed = p.faster_gain_s * max(way.cost, _LEAST_COST)
+        return (_way_in(queue, top, own.speed_limit, limits) - least) / top - needed
+
+    best, next_way = max(others, key=gain), _next_way(snapshot, ways)
+    room = math.inf if next_way is None else next_way.line - snapshot.front
+    if best.way is None or gain(best) < 0.0 or room < max(MIN_LANE_CHANGE_LENGTH_M, LANE_CHANGE_DURATION_S * speed):
+        return LaneChanging()
+    if not all(leaves_gap(one, speed, limits, 0.0) for one in best.near):
+        return LaneChanging(wishes=True)
+    slowest = min(own.users, key=lambda one: _way_behind(one, top, p.faster_lane_s, limits))
+    why = Decision(
+        behaviour=Behaviour.CHANGING_QUEUES, reason=Reason.FASTER_LANE, region=best.way.to_lane, cause=slowest.user.id,
+        passes=True,
+    )  # fmt: skip
+    return LaneChanging(best.way.side, why=why)
+
+
+def _way_in(queue: Queue, top: float, limit: float, limits: VehicleLimits) -> float:
+    """Return how far (m) the ego comes on a lane in `faster_lane_s`: at `top` (m/s) where `limit` is allowed, and behind all
+    whom it catches up with there."""
+    free = top * min(queue.speed_limit / limit, 1.0)
+    horizon = limits.parameters.faster_lane_s
+    return min(free * horizon, *(_way_behind(one, free, horizon, limits) for one in queue.users), math.inf)
+
+
+def _way_behind(one: Queued, free: float, horizon: float, limits: VehicleLimits) -> float:
+    """Return how far (m) the ego comes within a `horizon` (s) that it ends behind somebody, no faster than `free` (m/s)."""
+    speed = min(one.user.speed + max(one.user.acceleration, 0.0) * STARTING_S, free)
+    gap = one.user.body.length + limits.standstill_gap + limits.time_headway * speed
+    return max(one.ahead - gap, 0.0) + speed * horizon
 
 
 def expected_wait(queue: Queue, go: float, parameters: Parameters) -> float:
@@ -168,10 +225,10 @@ def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, l
 
 
 def is_worth_it(situation: Situation) -> bool:
-    """The queue is held up, and a lane beside leads on as well and is over sooner."""
+    """The queue is held up, or somebody in it slower, and a lane beside leads on as well and is over sooner."""
     changing = situation.changing
     reasons = (changing.why and changing.why.reason, changing.stop and changing.stop.reason)
-    return Reason.QUEUE_CHANGE in reasons
+    return any(reason in LEAVES_FOR for reason in reasons)
 
 
 def is_not_worth_it(situation: Situation) -> bool:
