@@ -27,7 +27,7 @@ ABC = Route(("a", "b", "c"))
 def test_a_lane_that_leads_on_as_well_costs_the_change_to_it() -> None:
     made = world(("a_0", "b_0"), ("a_1", "b_1"))
     assert ways(made, "a_1", ABC) == (ParallelLane(from_lane="a_1", to_lane="a_0", side=-1, cost=1.0),)
-    assert ways(made, "a_0", ABC) == (ParallelLane(from_lane="a_0", to_lane="a_1", side=1, cost=1.0),)
+    assert ways(made, "a_0", ABC) == (ParallelLane(from_lane="a_0", to_lane="a_1", side=1, cost=1.0, is_inner=True),)
 
 
 def test_a_lane_that_has_to_be_left_again_before_the_junction_is_none() -> None:
