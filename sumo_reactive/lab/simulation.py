@@ -44,7 +44,7 @@ from sumo_reactive.sumo.net_reader import WorldSource, read_net
 from sumo_reactive.sumo.recount import Driven, TripFiles, put_right, trip_files
 from sumo_reactive.sumo.sensor import Sensor
 from sumo_reactive.sumo.session import Progress, Session, sumo_version
-from sumo_reactive.sumo.vehicle_type import Equipment
+from sumo_reactive.sumo.vehicle_type import Equipment, may_say_arrivals
 
 SceneObserver = Callable[[Scene], None]
 """Gets every scene of every ego."""
@@ -60,9 +60,12 @@ class Started(NamedTuple):
 
 
 @contextlib.contextmanager
-def started(scenario: Scenario, more_options: Sequence[str] = (), *, has_window: bool = False) -> Iterator[Started]:
+def started(
+    scenario: Scenario, more_options: Sequence[str] = (), *, has_window: bool = False, takes_over_many: bool = False
+) -> Iterator[Started]:
     """Start SUMO with the scenario, and `more_options` of its own, or with its window; close it at the end.
 
+    To ask SUMO where a trip ends takes as long as to read all files for that: they are read where it `takes_over_many`.
     Raises ScenarioError for what SUMO cannot run.
     """
     config = read_config(scenario.config)
@@ -72,7 +75,8 @@ def started(scenario: Scenario, more_options: Sequence[str] = (), *, has_window:
     arguments, changed = sumo_arguments(
         config, runnable, seed=scenario.seed, step_length_s=step_length, sumo_options=options
     )
-    with Session(arguments, has_window=has_window) as session:
+    says_arrivals = not takes_over_many or may_say_arrivals(config, scenario.sumo_options)
+    with Session(arguments, has_window=has_window, says_arrivals=says_arrivals) as session:
         yield Started(session, config, (*changed, *left_out), session.time)
 
 
@@ -296,7 +300,7 @@ def run_fleet(
     began, is_watched = clock.perf_counter(), scenario.driver == SUMO
     with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
         options, trips = trip_output(scenario.sumo_options, Path(folder)) if is_watched else ([], Path())
-        with started(scenario, options, has_window=has_window) as start:
+        with started(scenario, options, has_window=has_window, takes_over_many=True) as start:
             simulation = Simulation(start, scenario, _fleet_taker(scenario, start), observer, progress, rule)
             simulation.run()
             files = trip_files()

@@ -76,7 +76,7 @@ class Trip:
     def __init__(
         self, session: Session, ego_id: str, net: WorldSource, scenario: Scenario, sensor: Sensor, parts: Parts = PARTS
     ) -> None:
-        self._ego = ego = Ego(ego_id, scenario.parameters)
+        self._ego = ego = Ego(ego_id, scenario.parameters, says_arrival=session.says_arrivals)
         self._session, self._net = session, net
         self.id, self.limits, self.profile = ego_id, ego.limits, scenario.profile.value
         self.arrived, self.stuck = False, ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,10 +110,10 @@ class SumoConfig:
     step_length_s: float
     is_mesoscopic: bool
 
-    def mentions(self, marks: Iterable[bytes]) -> bool:
+    def mentions(self, marks: Sequence[bytes]) -> bool:
         """Whether a route or additional file, compressed or not, contains one of `marks`."""
-        contents = [content_of(file) for file in (*self.route_files, *self.additional_files) if is_there(file)]
-        return any(mark in content for mark in marks for content in contents)
+        contents = map(content_of, filter(is_there, (*self.route_files, *self.additional_files)))
+        return any(mark in content for content in contents for mark in marks)
 
 
 def read_config(path: Path) -> SumoConfig:

@@ -68,7 +68,7 @@ def give_back(vehicle_id: str) -> None:
 class Ego:
     """One vehicle of a running simulation, moved from outside."""
 
-    def __init__(self, vehicle_id: str, parameters: Parameters = USUAL) -> None:
+    def __init__(self, vehicle_id: str, parameters: Parameters = USUAL, *, says_arrival: bool = True) -> None:
         vehicle_class = libsumo.vehicle.getVehicleClass(vehicle_id)
         if vehicle_class in NOT_ROAD_CARS:
             raise ScenarioError(f"ego '{vehicle_id}' is not a road car: its class is '{vehicle_class}'")
@@ -77,7 +77,7 @@ class Ego:
         self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
         self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)
         self._refuse_oncoming_side()
-        self.route = self._read_route()
+        self.route = self._read_route(says_arrival)
         self._standing = 0.0
         self._unmapped = False
         self._let_go: dict[str, str] = {}
@@ -313,9 +313,9 @@ class Ego:
             place = f"on the oncoming side of lane '{lane_id}'"
             raise ScenarioError(f"ego '{self.id}' is {place}; it cannot be taken over there")
 
-    def _read_route(self) -> Route:
+    def _read_route(self, says_arrival: bool) -> Route:
         index = max(0, libsumo.vehicle.getRouteIndex(self.id))
-        position, lane = arrival_of(self.id)
+        position, lane = arrival_of(self.id) if says_arrival else (None, None)
         edges = tuple(libsumo.vehicle.getRoute(self.id)[index:])
         if position is not None and position < 0.0:  # counted from the end of the lane
             position = max(0.0, position + float(libsumo.lane.getLength(f"{edges[-1]}_0")))

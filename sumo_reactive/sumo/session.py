@@ -29,11 +29,12 @@ Progress = Callable[[float, str], None]
 class Session:
     """Context manager around libsumo; what SUMO says of an error becomes a SimulationError with SUMO's own words.
 
-    With a window, closing it ends the simulation with a WindowClosedError.
+    With a window, closing it ends the simulation with a WindowClosedError. `says_arrivals`: a trip may say where on its last
+    edge it ends.
     """
 
-    def __init__(self, arguments: Sequence[str], *, has_window: bool = False) -> None:
-        self._arguments, self._has_window = arguments, has_window
+    def __init__(self, arguments: Sequence[str], *, has_window: bool = False, says_arrivals: bool = True) -> None:
+        self._arguments, self._has_window, self.says_arrivals = arguments, has_window, says_arrivals
         self._window_threads = frozenset[int]()
         self._loaded = False
 

@@ -7,7 +7,7 @@ import io
 import math
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import iterparse
 
@@ -18,7 +18,7 @@ from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.files import content_of, is_there
-from sumo_reactive.sumo.config import SumoConfig, is_true, xml_read
+from sumo_reactive.sumo.config import SumoConfig, given_options, is_true, xml_read
 
 WHEELBASE_FRACTION = 0.6
 """Wheelbase / length; passenger cars range from 0.57 to 0.64."""
@@ -73,6 +73,16 @@ def pose_of(x: float, y: float, heading: float, limits: VehicleLimits) -> Pose:
     """Return the rear-axle pose of a front-bumper point (m) and heading (rad)."""
     reach = limits.front_to_rear_axle
     return Pose(x - reach * math.cos(heading), y - reach * math.sin(heading), heading)
+
+
+_ARRIVALS, _FILES, _STATE = (b"arrivalPos", b"arrivalLane"), ("route-files", "additional-files"), "load-state"
+
+
+def may_say_arrivals(config: SumoConfig, options: Sequence[str]) -> bool:
+    """Whether a trip of a scenario that is started with more `options` may say where on its last edge it ends."""
+    given = given_options(options)
+    has_more = any(name in given for name in (*_FILES, _STATE)) or _STATE in config.options
+    return has_more or config.mentions(_ARRIVALS)
 
 
 _ATTRIBUTE = re.compile(r'\b(arrivalPos|arrivalPosRandomized|arrivalLane)="([^"]*)"')

@@ -13,7 +13,7 @@ import pytest
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.sumo.config import LEFT_OUT, read_config
 from sumo_reactive.sumo.launch import chosen_step_length, runnable_config, sumo_arguments
-from sumo_reactive.sumo.vehicle_type import arrival_of
+from sumo_reactive.sumo.vehicle_type import arrival_of, may_say_arrivals
 
 ROUNDABOUT = Path(__file__).parents[2] / "networks" / "roundabout"
 
@@ -184,6 +184,28 @@ def test_where_a_trip_ends_is_read_from_the_saved_state(tmp_path):
         assert arrival_of("c") == arrival_of("d") == (None, None)
     finally:
         libsumo.close()
+
+
+@pytest.mark.parametrize(
+    ("trip", "options", "may_say"),
+    [
+        ('depart="0"', (), False),
+        ('depart="0" arrivalPos="3"', (), True),
+        ('depart="0" arrivalLane="1"', (), True),
+        ('depart="0"', ("--route-files", "others.rou.xml"), True),
+        ('depart="0"', ("-a", "more.add.xml"), True),
+        ('depart="0"', ("--load-state=s.xml",), True),
+        ('depart="0"', ("--no-warnings",), False),
+    ],
+)
+def test_where_trips_end_is_asked_for_only_where_somebody_may_have_said_it(tmp_path, trip, options, may_say):
+    (tmp_path / "a.rou.xml").write_text(f'<routes><trip id="a" from="x" to="y" {trip}/></routes>', encoding="utf-8")
+    config = replace(scenario(tmp_path), route_files=(tmp_path / "a.rou.xml",))
+    assert may_say_arrivals(config, options) is may_say
+
+
+def test_a_scenario_that_begins_with_a_saved_state_may_say_where_trips_end(tmp_path):
+    assert may_say_arrivals(scenario(tmp_path, '<load-state value="s.xml"/>'), ())
 
 
 def test_options_name_every_file_where_it_was_and_leave_special_names_and_variables_alone(tmp_path):

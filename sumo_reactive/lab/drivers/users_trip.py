@@ -50,7 +50,8 @@ class UsersTrip:
     def __init__(
         self, session: Session, vehicle_id: str, net: WorldSource, scenario: Scenario, make: Callable[[], Driver]
     ) -> None:
-        self._session, self._ego = session, Ego(vehicle_id, scenario.parameters)
+        self._session = session
+        self._ego = Ego(vehicle_id, scenario.parameters, says_arrival=session.says_arrivals)
         self._vehicle, self._lanes = ObservedVehicle(vehicle_id, SEEN_REACH_M), LanesAround(vehicle_id)
         self.id, self.limits, self.profile = vehicle_id, self._ego.limits, str(scenario.driver)
         self.departure, self.end = self._ego.departure, session.time
