@@ -6,6 +6,7 @@ import contextlib
 import gc
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from weakref import WeakValueDictionary
 
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_reader import NetFile
@@ -15,26 +16,24 @@ SELDOM = 100_000
 
 
 class Worlds:
-    """Builds the world around routes like a `NetFile`, but gives one that it has built already where that holds a route.
+    """Builds the world around a route like a `NetFile`, but gives one in which somebody drives already where that holds it.
 
-    What is computed once for a world (conflicts, lanes to watch, foreseen ways) is then computed once for all egos.
+    What is computed once for a world (conflicts, lanes to watch, foreseen ways) is then computed once for them.
     """
 
     def __init__(self, net: NetFile) -> None:
         self._net = net
-        self._routes: list[tuple[str, ...]] = []
-        self._held: set[tuple[str, ...]] = set()
-        self._graph: RoadGraph | None = None
+        self._driven: WeakValueDictionary[frozenset[tuple[str, ...]], RoadGraph] = WeakValueDictionary()
 
     def build(self, edges: Sequence[str]) -> RoadGraph:
         """Return a world that holds a route of normal edges; raise NetworkError for an unknown edge."""
         parts = {(edges[-1],), *pairwise(edges)}
-        if self._graph is None or not parts <= self._held:
-            graph = self._net.build(*self._routes, edges)
-            self._routes.append(tuple(edges))
-            self._held |= parts | {(edge,) for edge in edges}
-            self._graph = graph
-        return self._graph
+        for held, graph in self._driven.items():
+            if parts <= held:
+                return graph
+        graph = self._net.build(edges)
+        self._driven[frozenset(parts | {(edge,) for edge in edges})] = graph
+        return graph
 
     def end_of(self, edge_id: str) -> str:
         """Return the junction that a normal edge leads to."""
