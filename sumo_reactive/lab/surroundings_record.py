@@ -15,7 +15,7 @@ import numpy as np
 
 from sumo_reactive.driver.geometry.curve import Curve
 from sumo_reactive.driver.nouns.decision import PostConflictState
-from sumo_reactive.driver.nouns.record import Bystander, CastShadow, CommandField, GroundField, Scene
+from sumo_reactive.driver.nouns.record import CastShadow, CommandField, GroundField, Scene
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.columns import write_columns
@@ -66,7 +66,7 @@ NEAR_THE_WAY_M = 200.0
 
 _DECIMALS = 2
 _MOVING = itemgetter(1, 2, 3, 4)
-"""Place, heading and speed of a bystander."""
+"""Place, heading and speed of a bystander or a road user."""
 
 
 class SurroundingsRecord:
@@ -122,21 +122,26 @@ class SurroundingsRecord:
         (folder / SURROUNDINGS).write_text(text + "\n", encoding="utf-8")
 
     def _keep_users(self, scene: Scene) -> None:
-        seen = {one.id: one for one in scene.around()} if scene.around is not None else {}
+        around = scene.around() if scene.around is not None else ()
+        known = {one.id for one in around}
+        self._users.extend([self._number(one.id, one.length, one.width) for one in around])
+        self._numbers.extend(chain.from_iterable(map(_MOVING, around)))
+        self._signals.extend([one.signals & SHOWN_SIGNALS for one in around])
         for user in (*scene.users, *scene.beside):
-            if user.id not in seen:
-                x, y, heading, speed, (length, width, *_) = *user[1:5], user.body
-                seen[user.id] = Bystander(user.id, x, y, heading, speed, length, width, 0)
-        ids = self._ids
-        for one in seen.values():
-            if one.id not in ids:
-                ids[one.id] = len(ids)
-                self._sizes.extend((one.length, one.width))
-        self._users.extend(map(ids.__getitem__, seen))
-        self._numbers.extend(chain.from_iterable(map(_MOVING, seen.values())))
-        self._signals.extend([one.signals & SHOWN_SIGNALS for one in seen.values()])
+            if user.id not in known:
+                known.add(user.id)
+                self._users.append(self._number(user.id, user.body.length, user.body.width))
+                self._numbers.extend(_MOVING(user))
+                self._signals.append(0)
         self._times.append(scene.step.time)
-        self._counts.append(len(seen))
+        self._counts.append(len(known))
+
+    def _number(self, user_id: str, length: float, width: float) -> int:
+        """Return the number of a road user, whose size (m) is kept with it."""
+        number = self._ids.setdefault(user_id, len(self._sizes) // 2)
+        if 2 * number == len(self._sizes):
+            self._sizes.extend((length, width))
+        return number
 
     def _keep_constraints(self, scene: Scene) -> None:
         if scene.plan is None:
