@@ -19,7 +19,7 @@ import resource
 import shutil
 import sys
 import time as clock
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import wraps
@@ -113,7 +113,8 @@ def driven(share: float, factor: float, until: float) -> Figures:
         ("SUMO", Session, "step"),
     ):  # fmt: skip
         setattr(owner, name, timed(getattr(owner, name), spent.setdefault(part, [])))
-    record = timed(SurroundingsRecord().see, spent.setdefault("record", []))
+    records: dict[str, SurroundingsRecord] = defaultdict(SurroundingsRecord)
+    record = timed(lambda scene: records[scene.ego].see(scene), spent.setdefault("record", []))
     run_fleet(_scenario(factor, until), _rule(share), observer=record)
     spent["control"] = list(np.subtract(spent.pop("command"), spent["place"]))
     sumo = spent.pop("SUMO")
