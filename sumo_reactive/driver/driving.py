@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 from sumo_reactive.driver.controller import Controller, Drive, Step, replanned
@@ -49,8 +49,7 @@ class Rerouting(NamedTuple):
     missed: str
 
 
-@dataclass(frozen=True)
-class Driving:
+class Driving(NamedTuple):
     """A car on its way: its `controller`, its `route` with the lanes it can be driven on, and how far it has come.
 
     Each `step` is followed by `after`, once the world has moved on as well. `speed_factor` scales the lanes' limits.
@@ -91,7 +90,7 @@ class Driving:
 
         Raises PlanError if no plan leads to the goal any more.
         """
-        here, asked = replace(self, drive=step.drive), step.completed.request
+        here, asked = self._replace(drive=step.drive), step.completed.request
         if asked.what is Replanning.ROUTE:
             later = self._later(time)
             if later is not None:
@@ -113,7 +112,7 @@ class Driving:
         if self.choice.onward[number][lane.index].cost == math.inf:
             return None
         memory = self.drive.memory._replace(waiting_since=None, progress_time=time)
-        return replace(self, drive=self.drive._replace(memory=memory))._on(self._plan(start), time)
+        return self._replace(drive=self.drive._replace(memory=memory))._on(self._plan(start), time)
 
     def _needs_curve(self, step: Step) -> bool:
         plan_now = self.drive.plan
@@ -142,7 +141,7 @@ class Driving:
             return here._rerouted(way, time)
 
     def _on(self, new_plan: NominalPlan, time: float) -> Driving:
-        return replace(self, drive=replanned(self.drive, new_plan, time))
+        return self._replace(drive=replanned(self.drive, new_plan, time))
 
     def _plan(self, start: PlanStart, change_now: int = 0, aside: Aside | None = None) -> NominalPlan:
         control = self.controller
@@ -185,7 +184,7 @@ class Driving:
         if self.looked[:2] == (here.route_index, here.lane_id):
             return self, self.looked[2]
         found = self._rerouting(self.ways, here) if self.ways else None
-        return replace(self, looked=(here.route_index, here.lane_id, found)), found
+        return self._replace(looked=(here.route_index, here.lane_id, found)), found
 
     def _rerouting(self, ways: Ways, here: LaneSegment) -> Rerouting | None:
         """Return the quickest other way to the goal that the lane `here` leads to without a change; None: there is none.
@@ -220,8 +219,8 @@ class Driving:
         """Return the driving on the other way, in the world around it."""
         start = replace(self._start(time), route_index=0, stays_on=-1)
         memory = self.drive.memory._replace(waiting_since=None, escapes=0, progress_time=time)
-        other = replace(
-            self, controller=replace(self.controller, graph=way.choice.graph), route=way.route, choice=way.choice,
+        other = self._replace(
+            controller=replace(self.controller, graph=way.choice.graph), route=way.route, choice=way.choice,
             drive=self.drive._replace(memory=memory), looked=(-1, "", None),
         )  # fmt: skip
         return other._on(replace(other._plan(start), missed=way.missed), time)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import shapely
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
@@ -67,19 +66,24 @@ def _ways_to(graph: RoadGraph, lane: Lane, first: float) -> tuple[str, ...]:
     return tuple(part for way in graph.ways_into(lane.id) for part in (way.from_lane, *way.parts))
 
 
-def _corners(by: Occupant) -> Any:
-    """Return the corners of the body, front left first and round, (4, 2), m."""
+_Corners = tuple[tuple[float, float], ...]
+"""Places (m), front left first and round."""
+
+
+def _corners(by: Occupant) -> _Corners:
+    """Return the four corners of the body."""
     heading, half = by.ego.pose.heading, 0.5 * by.limits.width
-    aside = half * np.array((-math.sin(heading), math.cos(heading)))
-    front, rear = np.array(by.front), np.array(by.behind_front(by.limits.length))
-    return np.array((front + aside, front - aside, rear - aside, rear + aside))
+    (x, y), (rx, ry) = by.front, by.behind_front(by.limits.length)
+    ax, ay = -half * math.sin(heading), half * math.cos(heading)
+    return (x + ax, y + ay), (x - ax, y - ay), (rx - ax, ry - ay), (rx + ax, ry + ay)
 
 
-def _is_within(graph: RoadGraph, ends: tuple[LaneSegment, LaneSegment], corners: Any) -> bool:
+def _is_within(graph: RoadGraph, ends: tuple[LaneSegment, LaneSegment], corners: _Corners) -> bool:
     """Whether each corner is on the lane that C has that end of the body on, or hardly beside it."""
     for segment, places in zip(ends, (corners[:2], corners[2:]), strict=True):
         lane = graph.lanes[segment.lane_id]
-        if (np.abs(lane.spine.offsets(places)) > 0.5 * lane.width + OCCUPIED_LANE_M).any():
+        most, offset = 0.5 * lane.width + OCCUPIED_LANE_M, lane.spine.offset
+        if any(abs(offset(x, y)) > most for x, y in places):
             return False
     return True
 

@@ -69,6 +69,10 @@ class Polyline:
         """Return (s, d) of the closest point: arc length and signed distance, left positive, m."""
         return _place(*self.columns, self.arc_lengths, x, y, 0.0)
 
+    def offset(self, x: float, y: float) -> float:
+        """Return how far left of the polyline, prolonged straight at its ends, a place is, m."""
+        return _place(*self.columns, self.arc_lengths, x, y, BEYOND)[1]
+
     def arc_lengths_at(self, places: Points) -> Floats:
         """Return the arc length (n,), m, of the closest point to each of `places` (n, 2), m."""
         return _places(*self.columns, self.arc_lengths, np.ascontiguousarray(places), 0.0)[:, 0]

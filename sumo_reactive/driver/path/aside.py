@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
+from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
 from sumo_reactive.driver.geometry.swept import swept_sides
@@ -128,6 +129,7 @@ def _waiting(connection: Connection, junction: Junction, graph: RoadGraph) -> It
         yield _outline(approach, approach.length)
 
 
+@kept(4)
 def _outline(way: Polyline, place: float) -> Points:
     """Return points (k, 2) on the outline of a car whose front is at a place (m) of its way."""
     x, y = way.at(place)
