@@ -39,6 +39,7 @@ def kernels_of(part: int) -> dict[Any, str]:
     the manner of driving."""
     from sumo_reactive.driver.field import command_grid, demands, desired_speed, field, velocity
     from sumo_reactive.driver.geometry import curve, polyline, swept
+    from sumo_reactive.driver.path import aside
     from sumo_reactive.driver.pilot import assessment
     from sumo_reactive.driver.vehicle import safe_speed
     from sumo_reactive.driver.view import corridor, foresee
@@ -55,6 +56,7 @@ def kernels_of(part: int) -> dict[Any, str]:
         swept.swept_sides: "VVVFFFFFF", demands.bend_window: "F",
         assessment.drive_ahead: "FFFVVVVFFMFFFFFFFFFFM", assessment.first_contact: "MFFMNNMVVFF",
         assessment.speeds_ahead: "MNMFFFF", assessment.time_of: "MFF",
+        aside._clear_of_body: "VVVMF", polyline._at: "VVVF", polyline._heading_at: "VVVF",
         polyline._sampled: "MVF", polyline._place: "VVVFFF", polyline._places: "VVVMF", polyline.wrapped: "F",
         curve.project_each: "MVVFVF", curve.project_on_curve: "FFVVFFF",
         foresee.turned: "MFFFF", foresee.point_at: "MF",

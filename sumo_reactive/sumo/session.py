@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from traceback import walk_tb
 from types import TracebackType
@@ -79,7 +80,7 @@ class Session:
         """Simulation time, s."""
         return float(libsumo.simulation.getTime())
 
-    @property
+    @cached_property
     def step_length(self) -> float:
         """Length of a step, s."""
         return float(libsumo.simulation.getDeltaT())

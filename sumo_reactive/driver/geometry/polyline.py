@@ -42,19 +42,11 @@ class Polyline:
 
     def at(self, s: float) -> tuple[float, float]:
         """Return the point (x, y) at arc length `s`, clamped to the ends."""
-        return (
-            float(np.interp(s, self.arc_lengths, self.points[:, 0])),
-            float(np.interp(s, self.arc_lengths, self.points[:, 1])),
-        )
+        return _at(*self.columns, self.arc_lengths, float(s))
 
     def heading_at(self, s: float) -> float:
         """Return the direction of travel (rad) of the segment that holds arc length `s`."""
-        last = len(self.points) - 2
-        i = int(np.clip(np.searchsorted(self.arc_lengths, s, side="right") - 1, 0, last))
-        while i > 0 and self.arc_lengths[i + 1] == self.arc_lengths[i]:
-            i -= 1
-        dx, dy = self.points[i + 1] - self.points[i]
-        return math.atan2(dy, dx)
+        return _heading_at(*self.columns, self.arc_lengths, float(s))
 
     @cached_property
     def columns(self) -> tuple[Floats, Floats]:
@@ -117,6 +109,30 @@ def nearest_point(xs: Floats, ys: Floats, x: float, y: float, first: int, last: 
         if squared < least:
             nearest, least = i, squared
     return nearest
+
+
+@kernel
+def _segment(arc: Floats, s: float) -> int:
+    """Return the segment that holds arc length `s`, m; past the ends, the one there."""
+    behind = int(np.searchsorted(arc, s, side="right"))
+    return min(max(behind - 1, 0), len(arc) - 2)
+
+
+@kernel
+def _at(xs: Floats, ys: Floats, arc: Floats, s: float) -> tuple[float, float]:
+    i = _segment(arc, s)
+    inside, length = min(max(s - arc[i], 0.0), arc[i + 1] - arc[i]), arc[i + 1] - arc[i]
+    if inside == length:
+        return xs[i + 1], ys[i + 1]
+    return (xs[i + 1] - xs[i]) / length * inside + xs[i], (ys[i + 1] - ys[i]) / length * inside + ys[i]
+
+
+@kernel
+def _heading_at(xs: Floats, ys: Floats, arc: Floats, s: float) -> float:
+    i = _segment(arc, s)
+    while i > 0 and arc[i + 1] == arc[i]:
+        i -= 1
+    return math.atan2(ys[i + 1] - ys[i], xs[i + 1] - xs[i])
 
 
 @kernel

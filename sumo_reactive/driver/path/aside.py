@@ -14,8 +14,9 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from sumo_reactive.driver.caching import kept
+from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M
-from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside
+from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, moved_aside, nearest_point
 from sumo_reactive.driver.geometry.swept import swept_sides
 from sumo_reactive.driver.path.reference import Reference
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -83,7 +84,7 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
 
     `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
     """
-    shift = np.zeros(len(line))
+    shift, (xs, ys) = np.zeros(len(line)), Polyline(line).columns
     room = np.maximum(half_widths + BEYOND_M - 0.5 * limits.width, 0.0)
     margin = limits.parameters.corridor_margin_m + COMFORT_DEVIATION_M  # smoothing takes the latter back
     needed = 0.5 * limits.width + margin
@@ -93,7 +94,7 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
         if junction is None or last - first < 2:
             continue
         for body in _waiting(connection, junction, reference.graph):
-            _clear_of_body(shift[first:last], line[first : last + 1], body, needed)
+            _clear_of_body(shift[first:last], xs[first : last + 1], ys[first : last + 1], body, needed)
         reach = min(last + int(HOLD_BACK_REACH_M / CURVE_STEP_M), len(line))  # one may still be inside, the other out of it
         ways = lateral_conflicts(reference.graph, connection.id)
         _clear_of_ways(shift[first:reach], line[first:reach], ways, needed + 0.5 * WAITING_WIDTH_M)
@@ -142,23 +143,28 @@ def _outline(way: Polyline, place: float) -> Points:
     return np.vstack((*sides, front))
 
 
-def _clear_of_body(shift: Floats, line: Points, body: Points, room: float) -> None:
-    """Set in `shift` (n − 1,), m to the left, how far `line` (n, 2) has to be moved to pass the points of `body` (k, 2) with
-    `room` m between.
+@kernel
+def _clear_of_body(shift: Floats, xs: Floats, ys: Floats, body: Points, room: float) -> None:
+    """Set in `shift` (n − 1,), m to the left, how far the line through `xs`, `ys` (n,) has to be moved to pass the points of
+    `body` (k, 2) with `room` m between.
 
     Who stands across the line is not passed.
     """
-    way = np.diff(line, axis=0)
-    off = body[:, None, :] - line[:-1]
-    nearest = np.argmin((off**2).sum(axis=2), axis=1)
-    along, to = way[nearest], off[np.arange(len(body)), nearest]
-    aside = (along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]) / np.maximum(np.hypot(*along.T), 1e-9)
-    beside_it = (nearest > 0) & (nearest < len(way) - 1)
-    if not beside_it.any() or (aside[beside_it].min() < 0.0 < aside[beside_it].max()):
-        return
-    for j, by in zip(nearest[beside_it], aside[beside_it], strict=True):
-        if room - abs(by) > abs(shift[j]):
-            shift[j] = -np.sign(by) * (room - abs(by))
+    last = len(xs) - 2
+    nearest, aside = np.empty(len(body), dtype=np.int64), np.empty(len(body))
+    least, most = 0.0, 0.0
+    for k in range(len(body)):
+        x, y = body[k]
+        i = nearest_point(xs, ys, x, y, 0, last)
+        ex, ey = xs[i + 1] - xs[i], ys[i + 1] - ys[i]
+        by = (ex * (y - ys[i]) - ey * (x - xs[i])) / max(math.hypot(ex, ey), 1e-9)
+        nearest[k], aside[k] = i, by
+        if 0 < i < last:
+            least, most = min(least, by), max(most, by)
+    for k in range(len(body) if least == 0.0 or most == 0.0 else 0):
+        i, left = nearest[k], room - abs(aside[k])
+        if 0 < i < last and left > abs(shift[i]):
+            shift[i] = -np.sign(aside[k]) * left
 
 
 def _clear_of_ways(shift: Floats, line: Points, ways: Iterable[LateralConflict], room: float) -> None:
