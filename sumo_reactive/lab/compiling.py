@@ -51,7 +51,7 @@ def kernels_of(part: int) -> dict[Any, str]:
             way.along_way: "MNM",
         }  # fmt: skip
     return {
-        desired_speed.wished: "OWFMMMMVVVVF", command_grid.lattice_axes: "FFFFFF",
+        desired_speed.wished: "OWFMMMMVVVVVF", command_grid.lattice_axes: "FFFFFF",
         corridor.related: "MFFFFFVVVFFFVVF", corridor.blocking_ones: "MVVVFFFVVF",
         swept.swept_sides: "VVVFFFFFF", demands.bend_window: "F",
         assessment.drive_ahead: "FFFVVVVFFMFFFFFFFFFFM", assessment.first_contact: "MFFMNNMVVFF",

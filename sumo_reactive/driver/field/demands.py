@@ -102,12 +102,12 @@ def car_of(completed: CompletedPlan, limits: VehicleLimits) -> Floats:
 @kept(4)
 def held_of(completed: CompletedPlan, limits: VehicleLimits) -> tuple[Any, ...]:
     """Return what stays as it is while the plan is in force, in the order in which `commanded` takes it: manner, car,
-    driver, rows of the (l, t_l) and of the speeds, and C."""
+    driver, rows of the (l, t_l) and of the speeds, and P."""
     plan, curve = completed.plan, completed.plan.curve
     return (
         manner_of(completed, limits), car_of(completed, limits), driver_of(limits.parameters),
         timed_rows(completed), speed_rows(completed),
-        curve.x, curve.y, curve.heading, curve.curvature, bends_of(plan), plan.speed_limits, curve.step,
+        curve.x, curve.y, curve.heading, curve.curvature, bends_of(plan), plan.speed_limits, plan.times, curve.step,
     )  # fmt: skip
 
 

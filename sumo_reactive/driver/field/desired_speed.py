@@ -102,19 +102,19 @@ class OnCurve(NamedTuple):
 @kernel
 def wished(
     ego: OnCurve, manner: Manner, period: float, hard: Floats, timed: Floats, speeds: Floats, slots: Floats,
-    ch: Floats, curvature: Floats, bends: Floats, limits_along: Floats, step: float,
+    ch: Floats, curvature: Floats, bends: Floats, limits_along: Floats, times: Floats, step: float,
 ) -> tuple[float, bool, int]:  # fmt: skip
     """Return v_d (m/s), whether braking for it must not wait, and the number of the row in `hard` that planned braking would
     not stop clear of (NO_HAZARD: none, OF_BEND: the bend).
 
     It falls with the comfortable deceleration, with up to the planned one where a stop or a leader presses, and only where
     that would not stop clear, harder. `hard`, `timed`, `speeds` (n, 7): see `demands`; `slots` (n, 2): gap (m) to whom the
-    ego falls in behind, his speed (m/s). C: its heading `ch` (rad), `curvature` (1/m), `bends` (1/m) and the speed limit
-    (m/s) every `step` m.
+    ego falls in behind, his speed (m/s). C: its heading `ch` (rad), `curvature` (1/m), `bends` (1/m), the speed limit (m/s)
+    and the time on schedule (s) every `step` m.
     """
     speed, comfort = ego.speed, manner.comfort
     rate, is_pressing, is_emergency = _easing(ego, manner, ch, curvature, bends, limits_along, step)
-    free = _cruise(ego, manner, period, timed, speeds, limits_along, step)
+    free = _cruise(ego, manner, period, timed, speeds, limits_along, times, step)
     eased = speed - rate * period  # carried off C, it must be slower than C asks for, to come back to it
     wish, hazard = eased if is_emergency else max(free, eased), OF_BEND if is_emergency else NO_HAZARD
     for k in range(len(hard)):
@@ -224,10 +224,15 @@ def _braking_in_bend(ego: OnCurve, manner: Manner, ch: Floats, curvature: Floats
 
 @kernel
 def _cruise(
-    ego: OnCurve, manner: Manner, period: float, timed: Floats, speeds: Floats, limits_along: Floats, step: float
-) -> float:
+    ego: OnCurve, manner: Manner, period: float, timed: Floats, speeds: Floats, limits_along: Floats, times: Floats,
+    step: float,
+) -> float:  # fmt: skip
     """The speed that road and time constraint ask for, approached gently from below (m/s); of the schedule the next (l, t_l)
-    ahead counts."""
+    ahead counts.
+
+    Who is too early for it takes as much longer all along the way to l as he has longer for it: the road may be slow before
+    l, which the mean speed does not tell.
+    """
     speed = ego.speed
     sample = int((ego.s + speed * period) / step) + 1
     road = best = limits_along[min(max(sample, 0), len(limits_along) - 1)]
@@ -241,9 +246,21 @@ def _cruise(
         if manner.has_times > 0.0 and row[PLACE] > ego.front and (is_first or not is_on_schedule):
             left = row[TIME] - ego.time - (manner.tolerance if is_on_schedule else 0.0)
             timely = cruise_speed(speed, row[PLACE] - ego.front, left, road, manner.gains)
-            best = min(best, timely if is_on_schedule else _gently(speed, timely, period))
+            if is_on_schedule:
+                planned = _time_at(ego.s + row[PLACE] - ego.front, times, step) - _time_at(ego.s, times, step)
+                best = min(best, max(timely, road * min(planned / max(left, 1e-3), 1.0)))
+            else:
+                best = min(best, _gently(speed, timely, period))
         is_first = is_first and row[PLACE] <= ego.front
     return float(speed + (best - speed) * min(1.0, period / manner.approach) if best > speed else best)
+
+
+@kernel
+def _time_at(s: float, times: Floats, step: float) -> float:
+    """Return when the front axle is at arc length `s` (m) on schedule, s."""
+    u = min(max(s / step, 0.0), len(times) - 1.0)
+    i = min(int(u), len(times) - 2)
+    return float(times[i] + (u - i) * (times[i + 1] - times[i]))
 
 
 @kernel
@@ -290,7 +307,7 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     speed, is_pressing, hazard = wished(
         on_curve(snapshot), manner_in(manner_of(completed, limits)), period, hard_rows(snapshot, completed),
         timed_rows(completed), speed_rows(completed), slot_rows(snapshot, completed), curve.heading, curve.curvature,
-        bends_of(plan), plan.speed_limits, curve.step,
+        bends_of(plan), plan.speed_limits, plan.times, curve.step,
     )  # fmt: skip
     return Wish(speed, is_pressing, hazard_named(hazard, snapshot, completed))
 

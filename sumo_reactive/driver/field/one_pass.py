@@ -32,7 +32,7 @@ def car_in(car: Floats, x: float, y: float, heading: float, speed: float, angle:
 def commanded(
     time: float, s: float, d: float, front: float, x: float, y: float, heading: float, speed: float, angle: float,
     acceleration: float, period: float, manner_row: Floats, car: Floats, driver: Floats, timed: Floats, speeds: Floats,
-    cx: Floats, cy: Floats, ch: Floats, curvature: Floats, bends: Floats, limits_along: Floats, step: float,
+    cx: Floats, cy: Floats, ch: Floats, curvature: Floats, bends: Floats, limits_along: Floats, times: Floats, step: float,
     hard: Floats, slots: Floats, static: Floats, boxes: Floats, left: float, right: float,
 ) -> tuple[int, float, int, float, float, float, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Return the verdict, v_d (m/s), the hazard (see `wished`), acceleration, steering rate, U, U₁, U₂, U₃ of the command
@@ -43,7 +43,7 @@ def commanded(
     """
     ego, manner = OnCurve(time, s, d, front, heading, speed, angle, acceleration), manner_in(manner_row)
     wish, is_pressing, hazard = wished(
-        ego, manner, period, hard, timed, speeds, slots, ch, curvature, bends, limits_along, step
+        ego, manner, period, hard, timed, speeds, slots, ch, curvature, bends, limits_along, times, step
     )
     wanted = without_jerk(wish, is_pressing, ego, period, manner.jerk)
     if wanted <= 0.0 and speed == 0.0:

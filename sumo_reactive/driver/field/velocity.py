@@ -20,8 +20,8 @@ def velocity_potential(speed: float, desired_speed: float) -> float:
 def cruise_speed(speed: float, distance: float, time_left: float, top_speed: float, acceleration: float) -> float:
     """Cruising speed of the accelerate–cruise profile that covers `distance` d₂ (m) in `time_left` (s).
 
-    The last phase, decelerate, is in the speed limits along C and in the stop. `top_speed` when the time is too short.
-    (F&L 1991, §3.3.3.)
+    The last phase, decelerate, is in the speed limits along C, to which the times of P belong, and in the stop. `top_speed`
+    when the time is too short. (F&L 1991, §3.3.3.)
     """
     if distance <= 0.0 or time_left <= 0.0:
         return top_speed

@@ -3,9 +3,10 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from helpers.cars import CAR, car_at
-from helpers.curves import asked, driven, on_curve, plan_along, seen, straight
+from helpers.curves import STEP, asked, driven, on_curve, plan_along, seen, straight, turning
 
 from sumo_reactive.driver.field.desired_speed import desired_speed, room_to_brake
 from sumo_reactive.driver.field.executor import COARSE_STOP_MARGIN_M, execute
@@ -100,6 +101,21 @@ def test_a_car_that_has_time_comes_when_it_should_and_not_before():
     trace = driven(ROAD, on_curve(ROAD.curve, FRONT, 10.0), lambda _: in_time(160.0, 24.0), 30.0)
     there = next(seen.time for seen, _ in trace if seen.front >= 160.0)
     assert 24.0 - USUAL.time_tolerance_s - 0.2 <= there <= 24.0
+
+
+@pytest.mark.parametrize("longer", [1.0, 1.25])
+def test_a_slow_bend_before_the_place_slows_nobody_before_it(longer):
+    """The mean speed to a place behind a bend is not the speed to drive at before the bend, on schedule or too early."""
+    road = plan_along(turning([120.0, 12.0, 40.0], [0.0, 0.12, 0.0]))
+    here, there = FRONT - CAR.front_overhang, 135.0 - CAR.front_overhang
+    passed = np.interp([here, there], STEP * np.arange(len(road.times)), road.times)
+    planned = float(passed[1] - passed[0])
+    speed = road.road_speed(here) / longer
+    place = TimeConstraint(135.0, longer * planned + USUAL.time_tolerance_s)
+    assert speed > 1.2 * (135.0 - FRONT) / (longer * planned)
+    now = seen(on_curve(road.curve, FRONT, speed), road, here)
+    wish = desired_speed(now, replace(asked(road), constraints=(place,)), CAR, PERIOD)
+    assert wish.speed == pytest.approx(speed)
 
 
 def test_a_car_that_is_late_accelerates_towards_the_speed_that_is_in_time():
