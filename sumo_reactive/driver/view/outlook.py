@@ -35,12 +35,12 @@ def outlook(
     users, duration = _concerned(snapshot), p.assessed_s
     if traffic.sight > 0.0:
         users, duration = traffic.users, p.overtaking_s
-    slowest = min((obstacle.along for obstacle in snapshot.on_path), default=math.inf) / plan.road_speed(snapshot.s)
-    passing = plan.aside is not None or slowest < p.slow_share
+    slowest, road = min((obstacle.along for obstacle in snapshot.on_path), default=math.inf), plan.road_speed(snapshot.s)
+    passing = plan.aside is not None or slowest < p.slow_share * road
     beside = tuple(lanes_beside(graph, plan, front, FORECAST_REACH_M)) if passing else ()
     here = next((segment for segment in plan.segments if front < segment.end), None)
     width = graph.lanes[here.lane_id].width if here else 0.0
-    hinders = plan.aside is not None or slowest < SLOWER_SHARE
+    hinders = plan.aside is not None or slowest < SLOWER_SHARE * road
     waiting = queues(traffic, snapshot, plan, here, graph) if hinders and here is not None else ()
     comes_over = who_comes_over(traffic.users, snapshot, plan, graph, limits) if plan.turnarounds else ""
     sight = max(traffic.sight, ATTENTION_MIN_AHEAD_M)

@@ -115,3 +115,8 @@ def test_an_ego_that_wishes_to_change_looks_again_soon_and_one_that_changes_plan
     changing, _ = decided(())
     assert (changing.request.change_lane, changing.request.stays) == (WAY.side, True)
     assert changing.behaviour is Behaviour.CHANGING_QUEUES
+
+
+def test_a_lane_on_which_nothing_is_allowed_to_drive_gets_nobody_on():
+    assert seeking(SLOW, limit_beside=0.0) == LaneChanging()
+    assert seeking(SLOW, limit=0.0).side == WAY.side

@@ -107,8 +107,8 @@ def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChangi
         way = queue.way
         if way is None or not (way.is_inner or own.speed_limit <= OUTER_PASSING_SPEED):
             return -math.inf
-        needed = p.faster_gain_s * max(way.cost, _LEAST_COST)
-        return (_way_in(queue, top, own.speed_limit, limits) - least) / top - needed
+        needed = p.faster_gain_s * max(way.cost, _LEAST_COST) * top
+        return _way_in(queue, top, own.speed_limit, limits) - least - needed
 
     best, next_way = max(others, key=gain), _next_way(snapshot, ways)
     room = math.inf if next_way is None else next_way.line - snapshot.front
@@ -127,7 +127,7 @@ def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChangi
 def _way_in(queue: Queue, top: float, limit: float, limits: VehicleLimits) -> float:
     """Return how far (m) the ego comes on a lane in `faster_lane_s`: at `top` (m/s) where `limit` is allowed, and behind all
     whom it catches up with there."""
-    free = top * min(queue.speed_limit / limit, 1.0)
+    free = top * min(queue.speed_limit / max(limit, CREEPING_SPEED), 1.0)
     horizon = limits.parameters.faster_lane_s
     return min(free * horizon, *(_way_behind(one, free, horizon, limits) for one in queue.users), math.inf)
 
