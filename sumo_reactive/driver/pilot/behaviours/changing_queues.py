@@ -94,7 +94,8 @@ def leave_queue(
 def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
     """Change to a lane beside that gets on faster than the ego's, as soon as there is a gap; until then, wish to.
 
-    It must gain `faster_gain_s` on the ego's lane in the next `faster_lane_s` for each lane change that it costs.
+    It must gain `faster_gain_s` on the ego's lane in the next `faster_lane_s` for each lane change that it costs. Who stands
+    is passed, or his queue is left.
     """
     snapshot, plan, limits, _, ways = view
     p, speed = limits.parameters, snapshot.ego.speed
@@ -102,6 +103,9 @@ def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChangi
         return LaneChanging()
     (own, *others), top = outlook.queues, plan.road_speed(snapshot.s)
     least = _way_in(own, top, own.speed_limit, limits)
+    slowest = min(own.users, key=lambda one: _way_behind(one, top, p.faster_lane_s, limits), default=None)
+    if slowest is None or slowest.user.speed < CREEPING_SPEED:
+        return LaneChanging()
 
     def gain(queue: Queue) -> float:
         way = queue.way
@@ -116,7 +120,6 @@ def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChangi
         return LaneChanging()
     if not all(leaves_gap(one, speed, limits, 0.0) for one in best.near):
         return LaneChanging(wishes=True)
-    slowest = min(own.users, key=lambda one: _way_behind(one, top, p.faster_lane_s, limits))
     why = Decision(
         behaviour=Behaviour.CHANGING_QUEUES, reason=Reason.FASTER_LANE, region=best.way.to_lane, cause=slowest.user.id,
         passes=True,
