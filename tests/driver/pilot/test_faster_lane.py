@@ -40,13 +40,12 @@ def driving(ahead, speed, acceleration=0.0):
     return Queued(user, ahead, False)
 
 
-def seeking(own, beside=(), *, ego=EGO, near=(), way=WAY, aside=None, limit=TOP, limit_beside=TOP):
+def seeking(own, beside=(), *, ego=EGO, near=(), way=WAY, aside=None, limit=TOP, limit_beside=TOP, is_green=True):
     """What the ego makes of who is ahead on its lane and on the one beside."""
     queues = Queue("from_south_1", own, speed_limit=limit), Queue("from_south_0", beside, way, near, limit_beside)
-    view = ego.considered().view
-    return seek_faster(
-        view._replace(plan=replace(ego.plan, aside=aside)), ego.outlook()._replace(queues=queues), PilotMemory()
-    )
+    view, outlook = ego.considered().view, ego.outlook()._replace(queues=queues)
+    memory = PilotMemory(released=("c" if is_green else "", 0.0))
+    return seek_faster(view._replace(plan=replace(ego.plan, aside=aside)), outlook, memory)
 
 
 SLOW = (driving(30.0, 0.7),)
@@ -83,6 +82,17 @@ def test_each_further_change_must_gain_as_much_again():
 @pytest.mark.parametrize("ego", [ego_at(20.0), ego_at(speed=0.5)], ids=["before the line", "creeping"])
 def test_too_near_before_a_junction_or_in_a_queue_that_stands_the_ego_stays(ego):
     assert seeking(SLOW, ego=ego) == LaneChanging()
+
+
+@pytest.mark.parametrize("own", [(driving(60.0, 0.0), *SLOW), (driving(40.0, 0.3, acceleration=-2.0),)])
+def test_who_stands_or_is_about_to_is_nobody_slower(own):
+    assert seeking(own) == LaneChanging()
+
+
+def test_before_a_light_that_is_not_green_the_queues_decide():
+    near = ego_at(50.0)
+    assert seeking(SLOW, ego=near).side == WAY.side
+    assert seeking(SLOW, ego=near, is_green=False) == LaneChanging()
 
 
 def test_during_another_manoeuvre_the_ego_stays():

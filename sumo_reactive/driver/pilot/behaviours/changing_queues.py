@@ -46,8 +46,8 @@ LEAVES_FOR = (Reason.QUEUE_CHANGE, Reason.FASTER_LANE)
 OUTER_PASSING_SPEED = 22.3
 """m/s, 80 km/h; where more is allowed, nobody is passed on the outer side."""
 
-STARTING_S = 5.0
-"""Who gains speed is expected to do so for so long."""
+STARTING_S, STOPPING_S = 10.0, 5.0
+"""Who gains speed is expected to do so for so long, and who loses speed for so long."""
 
 _NEAR_HEAD_M = 12.0
 """Who stands so near behind somebody who drives off will do so next."""
@@ -94,17 +94,20 @@ def leave_queue(
 def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChanging:
     """Change to a lane beside that gets on faster than the ego's, as soon as there is a gap; until then, wish to.
 
-    It must gain `faster_gain_s` on the ego's lane in the next `faster_lane_s` for each lane change that it costs. Who stands
-    is passed, or his queue is left.
+    It must gain `faster_gain_s` on the ego's lane in the next `faster_lane_s` for each lane change that it costs. Who is
+    queued or about to be is passed, or his queue is left, as is one before a light that is not green.
     """
     snapshot, plan, limits, _, ways = view
     p, speed = limits.parameters, snapshot.ego.speed
-    if not outlook.queues or speed < CREEPING_SPEED or not _is_free_to_choose(snapshot, plan, memory):
+    next_way = _next_way(snapshot, ways)
+    must_stop = speed < CREEPING_SPEED or (next_way is not None and not memory.released[0])
+    if not outlook.queues or must_stop or not _is_free_to_choose(snapshot, plan, memory):
         return LaneChanging()
     (own, *others), top = outlook.queues, plan.road_speed(snapshot.s)
     least = _way_in(own, top, own.speed_limit, limits)
     slowest = min(own.users, key=lambda one: _way_behind(one, top, p.faster_lane_s, limits), default=None)
-    if slowest is None or slowest.user.speed < CREEPING_SPEED:
+    soon = (one.user.speed + min(one.user.acceleration, 0.0) * STOPPING_S for one in own.users)
+    if slowest is None or min(soon) < QUEUED_SPEED:
         return LaneChanging()
 
     def gain(queue: Queue) -> float:
@@ -114,7 +117,7 @@ def seek_faster(view: View, outlook: Outlook, memory: PilotMemory) -> LaneChangi
         needed = p.faster_gain_s * max(way.cost, _LEAST_COST) * top
         return _way_in(queue, top, own.speed_limit, limits) - least - needed
 
-    best, next_way = max(others, key=gain), _next_way(snapshot, ways)
+    best = max(others, key=gain)
     room = math.inf if next_way is None else next_way.line - snapshot.front
     if best.way is None or gain(best) < 0.0 or room < max(MIN_LANE_CHANGE_LENGTH_M, LANE_CHANGE_DURATION_S * speed):
         return LaneChanging()
