@@ -35,13 +35,14 @@ def test_an_on_ramp_joins_a_fast_stream(tmp_path, headway):
     assert run.complaints() == []
 
 
+@pytest.mark.parametrize("depart", [5.5, 6.0, 7.0, 8.0])
 @pytest.mark.parametrize("headway", [2.2, 3.0])
-def test_a_ramp_lane_that_ends_in_a_merge_is_left_as_soon_as_there_is_a_gap(tmp_path, headway):
+def test_a_ramp_lane_that_ends_in_a_merge_is_left_as_soon_as_there_is_a_gap(tmp_path, headway, depart):
     nodes = node("a", 0, 0) + node("b", 300, 0) + node("d", 550, 0) + node("e", 750, 0) + node("r", 100, -60)
     edges = edge("ab", speed=25) + edge("rb", speed=20) + edge("bd", numLanes=2, speed=25) + edge("de", speed=25)
     rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "00") + link("bd de", "10")
     fast = stream("f", "ab bd de", [headway * i for i in range(24)], departLane=0)
-    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", 6, departSpeed=15), fast)
+    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", depart, departSpeed=15), fast)
     assert run.complaints(slower=1.2) == []
 
 

@@ -133,9 +133,19 @@ def wished(
             if reached < wish:
                 wish, is_pressing, hazard = reached, presses or is_pressing, k if is_late else hazard
     for k in range(len(slots)):
-        following = following_speed(slots[k, 0], slots[k, 1], comfort, manner.slot_headway)
-        wish = min(wish, max(following, speed - comfort * period))
+        wish = min(wish, max(_falling_in(slots[k, 0], slots[k, 1], comfort, manner.slot_headway), speed - comfort * period))
     return wish if wish >= 0.0 else 0.0, is_pressing, hazard
+
+
+@kernel
+def _falling_in(gap: float, leader_speed: float, comfort: float, headway: float) -> float:
+    """Return the speed (m/s) with which to fall in behind somebody on the lane beside, whose rear is `gap` m ahead (negative:
+    abreast): slower than he by as much as is regained, with half of `comfort` (m/s²), on the way that is still missing.
+    """
+    missing = headway * leader_speed - gap
+    if missing <= 0.0:
+        return following_speed(gap, leader_speed, comfort, headway)
+    return max(leader_speed - math.sqrt(comfort * missing), 0.0)
 
 
 @kernel

@@ -173,6 +173,15 @@ def test_who_drives_ahead_in_the_slot_that_the_ego_seeks_is_followed_closely():
     assert desired_speed(around, falling_in_behind("gone"), CAR, PERIOD).speed > 9.0
 
 
+def test_beside_the_slot_that_the_ego_seeks_it_is_slower_by_what_it_regains_on_the_way_that_is_missing():
+    other = car_at("x", FRONT + 1.0, 3.2, 0.0, 12.0)
+    around = snapshot(7.4)._replace(neighbours=(Neighbour(other, 1.0),))
+    missing = USUAL.slot_headway_s * 12.0 + other.body.length - 1.0
+    wish = desired_speed(around, falling_in_behind("x"), CAR, PERIOD)
+    assert wish.speed == pytest.approx(12.0 - (CAR.comfort_deceleration * missing) ** 0.5)
+    assert desired_speed(around, asked(ROAD), CAR, PERIOD).speed > 7.4
+
+
 @pytest.mark.parametrize("away", [1.0, 6.0])
 def test_a_stop_that_planned_braking_misses_is_named_and_does_not_wait(away):
     wish = desired_speed(snapshot(13.0), stopping_at(FRONT + away), CAR, PERIOD)

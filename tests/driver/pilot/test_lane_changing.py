@@ -52,6 +52,17 @@ def test_who_is_on_the_later_road_is_as_far_ahead_as_c_is_long():
     assert seen.neighbours[0].ahead == pytest.approx(15.0, abs=0.2)
 
 
+FALLS_IN = [(-2.0, 19.4, True), (-12.0, 19.4, True), (-15.0, 24.0, True), (-40.0, 19.4, False), (-15.0, 10.0, False)]
+
+
+@pytest.mark.parametrize(("ahead", "speed", "is_let_by"), FALLS_IN)
+def test_the_ego_falls_in_behind_who_will_be_ahead_or_whom_it_cannot_leave_behind(ahead, speed, is_let_by):
+    ego = before("multi_lane_road", TO_THE_EXIT, 5.0, 19.4, lane=1)
+    blocks = ego.other("b", "road_in_0", -2.0, 19.4, TO_THE_EXIT)
+    other = ego.other("x", "road_in_0", ahead - 5.0, speed, TO_THE_EXIT)
+    assert seek_gap(ego.seen(blocks, other), ego.plan, CAR).slot == ("x" if is_let_by else "b")
+
+
 def changing(left: float, speed: float = 15.0) -> Situation:
     """The ego that has just begun to change to the lane of the exit, its front bumper `left` m before the road's end."""
     ego = before("multi_lane_road", TO_THE_EXIT[1:], left, speed, lane=1)

@@ -411,7 +411,7 @@ delay 0.00 on 100.00 0
     waits_for_a_gap: """
 CHANGING_LANES: STOP, YIELD
 stop at -20.28 NO_GAP road_before_exit_0 beside
-from -60.28 NO_GAP behind before
+from -60.28 NO_GAP behind beside
 tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
@@ -424,7 +424,7 @@ delay 0.00 on 100.00 0 waits since 20.00
     misses_its_turn: """
 TAKING_ANOTHER_WAY: STOP, YIELD
 stop at -20.29 NO_GAP road_before_exit_0 beside
-from -22.29 NO_GAP behind before
+from -22.29 NO_GAP behind beside
 asks for ROUTE 0 0
 tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import itemgetter
 
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
@@ -80,7 +81,7 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
     stop = stop_at(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
-    return LaneChanging(stop=stop, slot=_slot(snapshot))
+    return LaneChanging(stop=stop, slot=_slot(snapshot, plan, change.start - snapshot.front, limits))
 
 
 def _urgency(snapshot: Snapshot, left: float) -> float:
@@ -106,7 +107,7 @@ def merge_early(
         return LaneChanging()
     left = line - snapshot.front - speed * speed / (2.0 * limits.comfort_deceleration)
     if _blocker(snapshot, limits, _urgency(snapshot, left)):
-        return LaneChanging(slot=_slot(snapshot))
+        return LaneChanging(slot=_slot(snapshot, plan, left, limits))
     beside = min(snapshot.neighbours, key=lambda one: abs(one.ahead), default=None)
     cause = beside.user.id if beside else ""
     why = Decision(
@@ -163,13 +164,27 @@ def _before_off_tracking(
     return LaneChanging()
 
 
-def _slot(snapshot: Snapshot) -> str:
-    """Return the vehicle on the other lane that the ego will follow: the nearest whose front is ahead of its own.
+def _slot(snapshot: Snapshot, plan: NominalPlan, left: float, limits: VehicleLimits) -> str:
+    """Return the vehicle on the other lane that the ego will follow: the nearest who is ahead of it once it drives as fast
+    as he, or of whom it cannot get clear on the `left` m with what its road allows.
 
     One that stands is not waited for (empty): the ego drives on to the last place for its change.
     """
-    ahead = min((n for n in snapshot.neighbours if n.ahead >= 0.0), key=lambda n: n.ahead, default=None)
-    return "" if ahead is None or ahead.user.speed < STANDING_SPEED else ahead.user.id
+    top, found = plan.road_speed(snapshot.s), []
+    for one in snapshot.neighbours:
+        his = one.user.speed
+        ahead = one.ahead + _gained(his - snapshot.ego.speed, limits)
+        passed = one._replace(ahead=ahead - max(top - his, 0.0) * max(left, 0.0) / max(his, CREEPING_SPEED))
+        if ahead >= 0.0 or not leaves_gap(passed, his, limits, 1.0):
+            found.append((ahead, one.user))
+    user = min(found, key=itemgetter(0), default=(0.0, None))[1]
+    return "" if user is None or user.speed < STANDING_SPEED else user.id
+
+
+def _gained(faster: float, limits: VehicleLimits) -> float:
+    """Return the way (m) that somebody `faster` than the ego (m/s) gains on it until it drives as he does."""
+    rate = limits.acceleration_in_plan if faster > 0.0 else limits.comfort_deceleration
+    return faster * abs(faster) / (2.0 * rate)
 
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:
