@@ -139,7 +139,7 @@ def wished(
 
 @kernel
 def _falling_in(gap: float, leader_speed: float, comfort: float, headway: float) -> float:
-    """Return the speed (m/s) with which to fall in behind somebody on the lane beside, whose rear is `gap` m ahead (negative:
+    """Return the speed (m/s) with which to fall in behind who is beside, whose rear is `gap` m ahead (negative:
     abreast): slower than he by as much as is regained, with half of `comfort` (m/s²), on the way that is still missing.
     """
     missing = headway * leader_speed - gap
