@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
+from sumo_reactive.driver.nouns.plan import MOVE_SPEED, TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser
@@ -46,7 +46,7 @@ def foe(speed: float, to_region: float, kind: ConflictKind = ConflictKind.CROSSI
 
 def test_who_turns_round_is_everywhere_for_as_long_as_that_takes():
     way = 12.0 + TURNAROUND_REACHED_M
-    assert turning(to_start=way, speed=6.0, acceleration=2.0, duration=20.0) == pytest.approx((2.0, 22.0, 22.0, 0.0))
+    assert turning(to_start=way, speed=6.0, acceleration=2.0, duration=20.0) == pytest.approx((2.0, 22.0, 22.0, MOVE_SPEED))
 
 
 def test_who_stands_where_it_turns_round_is_in_the_regions_at_once():

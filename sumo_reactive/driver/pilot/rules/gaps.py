@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
-from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M
+from sumo_reactive.driver.nouns.plan import MOVE_SPEED, TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import Parameters
@@ -87,9 +87,9 @@ class Judgement(NamedTuple):
 
 def turning(to_start: float, speed: float, acceleration: float, duration: float) -> Passing:
     """Foresee an ego that turns round in several moves, `to_start` m ahead: it is in every region for all of the `duration`
-    (s), from when it has come so near that it begins."""
+    (s), from when it has come so near that it begins, and rolls out of them."""
     arrival = travel_time(to_start - TURNAROUND_REACHED_M, speed, acceleration, max(speed, 1.0))
-    return Passing(arrival, arrival + duration, arrival + duration, 0.0)
+    return Passing(arrival, arrival + duration, arrival + duration, MOVE_SPEED)
 
 
 def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:
