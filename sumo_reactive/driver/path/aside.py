@@ -36,7 +36,7 @@ MAX_CENTRING_M = 0.6
 would reach into the next lane."""
 
 COMFORT_DEVIATION_M = 0.25
-"""C may leave the centre line this far to be driven at the road's speed: half of a car's free room in a 2.8 m lane."""
+"""In turns C may leave the centre line this far to be driven at the road's speed: half of a car's room in a 2.8 m lane."""
 
 BEYOND_M = 0.2
 """Rear and, on the side of oncoming traffic, front may leave the lane by this: who drives in the middle of a lane of 3.2 m

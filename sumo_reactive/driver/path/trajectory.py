@@ -48,17 +48,15 @@ SMOOTHING_REACH_M = 5.0
 SMOOTHING_PASSES = 9
 """Most passes of smoothing: 1.35⁹ ≈ 15 times the first length; past that the greatest deviation holds C."""
 
-FAST_SPEED = 16.0
-"""m/s; on a faster road, where the map moves lanes aside by half a lane within a few metres,…"""
-
-JOG_REACH_M = 25.0
-"""…in a junction and so far around it,…"""
+TURN_LEAD_M = 15.0
+"""So far around a turn in several moves the car keeps to the middle of its lane."""
 
 STRAIGHT_ON_RAD = 0.1
-"""…behind which the road goes on in its direction but for this,…"""
+"""A way through a junction turns if the road behind goes on in another direction by more than this."""
 
-FAST_DEVIATION_SHARE = 0.65
-"""…C may use this share of the room beside the car in its lane: else it would brake there from 25 to 12 m/s."""
+DEVIATION_SHARE = 0.65
+"""Elsewhere C may use this share of the room beside the car in its lane: a kink of the map's line, or a lane that it moves
+aside by half a lane within a few metres, is no bend to brake for."""
 
 FOOT_REACH_M = 2.5
 """A place of the reference is looked for this far along C around the sample that smoothing has moved from it."""
@@ -123,7 +121,9 @@ def trajectory(
     line, blend = _met_from(line, start, width, limits)
     pace = np.minimum(pace * start.speed_factor, limits.max_speed)
     comfort = limits.comfort_lateral_acceleration / np.maximum(pace, 1.0) ** 2
-    fitted = smoothed(line, CURVE_STEP_M, comfort, _deviation(reference, half_widths, pace, limits))
+    exact = [(0.0, max(blend, aside.until if aside is not None else 0.0) + 2.0 * SMOOTHING_REACH_M)]
+    exact += [(a - TURN_LEAD_M, b + TURN_LEAD_M) for a, b in in_moves]
+    fitted = smoothed(line, CURVE_STEP_M, comfort, _deviation(reference, half_widths, exact, limits))
     kept = [slice(int(a / CURVE_STEP_M), int(b / CURVE_STEP_M)) for a, b in in_moves]
     fitted, index = turnable(fitted, lanes, limits, start.steering_angle, left_hand, kept)
     curve, arc = _even(fitted)
@@ -223,18 +223,22 @@ def _even(points: Points) -> tuple[Curve, Floats]:
     return Curve(x=x, y=y, heading=heading, curvature=curvature, step=CURVE_STEP_M), arc
 
 
-def _deviation(reference: Reference, half_widths: Floats, pace: Floats, limits: VehicleLimits) -> Floats:
-    """Return how far C may leave the centre line to be driven at the road's speed (n,), m: where a fast road goes straight
-    through a junction, but not as C changes lanes, a share of the room beside the car."""
-    is_wide, lanes = np.zeros(len(pace), np.bool_), reference.graph.lanes
+def _deviation(
+    reference: Reference, half_widths: Floats, exact: Sequence[tuple[float, float]], limits: VehicleLimits
+) -> Floats:
+    """Return how far C may leave the centre line to be driven at the road's speed (n,), m: a share of the room beside the
+    car, but no more than comfort asks for in turns, where others wait beside it, where it changes lanes, and where it is to
+    be `exact` (from, to; m): as it comes from where the car is, beside somebody, around turns in moves."""
+    is_held, lanes = np.zeros(len(half_widths), np.bool_), reference.graph.lanes
+    held = [*exact, *((change.start, change.end) for change in reference.changes)]
     for connection, start, end in reference.passages:
         before, behind = lanes[connection.from_lane].spine, lanes[connection.to_lane].spine
-        if abs(wrapped(behind.heading_at(0.0) - before.heading_at(before.length))) < STRAIGHT_ON_RAD:
-            is_wide[max(int((start - JOG_REACH_M) / CURVE_STEP_M), 0) : int((end + JOG_REACH_M) / CURVE_STEP_M) + 1] = True
-    for change in reference.changes:
-        is_wide[max(int(change.start / CURVE_STEP_M), 0) : int(change.end / CURVE_STEP_M) + 1] = False
-    free = FAST_DEVIATION_SHARE * (half_widths - 0.5 * limits.width)
-    return np.where(is_wide & (pace > FAST_SPEED), np.maximum(free, COMFORT_DEVIATION_M), COMFORT_DEVIATION_M)
+        if abs(wrapped(behind.heading_at(0.0) - before.heading_at(before.length))) > STRAIGHT_ON_RAD:
+            held.append((start, end))
+    for start, end in held:
+        is_held[max(int(start / CURVE_STEP_M), 0) : int(end / CURVE_STEP_M) + 1] = True
+    free = DEVIATION_SHARE * (half_widths - 0.5 * limits.width)
+    return np.where(is_held, COMFORT_DEVIATION_M, np.maximum(free, COMFORT_DEVIATION_M))
 
 
 def smoothed(line: Points, step: float, comfort_curvature: Floats, deviation: Floats) -> Points:

@@ -13,6 +13,7 @@ from sumo_reactive.driver.geometry.polyline import Polyline, joined
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.path.aside import centred
 from sumo_reactive.driver.path.planner import plan
+from sumo_reactive.driver.path.trajectory import DEVIATION_SHARE
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route
@@ -43,7 +44,19 @@ def test_a_tight_corner_can_be_steered_and_stays_in_its_lane(points: int) -> Non
     world = corner(4.4, points)
     found = plan(world, AB, CAR, start_on(world.lanes["a_0"], 10.0))
     assert steering(found) <= CAR.max_steering_angle
-    assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < 0.4
+    assert deviation(world, found, ["a_0", ":J0_0", "b_0"]) < DEVIATION_SHARE * 0.5 * (3.2 - CAR.width)
+
+
+@pytest.mark.parametrize("lane_width", [2.8, 3.2, 3.6])
+def test_a_kink_of_the_road_is_rounded_within_the_lane_and_is_no_bend_to_brake_for(lane_width: float) -> None:
+    kink = 60.0 + 40.0 * math.cos(0.35), 40.0 * math.sin(0.35)
+    lanes = tuple(replace(lane, width=lane_width) for lane in road("a", [(0.0, 0.0), (60.0, 0.0), kink]))
+    world = graph([lanes], [])
+    found = plan(world, Route(("a",)), CAR, start_on(world.lanes["a_0"], 10.0))
+    away = deviation(world, found, ["a_0"])
+    assert away <= 1.1 * DEVIATION_SHARE * 0.5 * (lane_width - CAR.width)
+    assert 0.5 * CAR.width + away < 0.5 * lane_width
+    assert float(found.speed_limits.min()) > 8.0
 
 
 def test_a_normal_turn_keeps_to_the_centre_line() -> None:

@@ -112,15 +112,15 @@ def from_the_right() -> Picture:
 TELLINGS = {
     minor_road: """
 CAUTIOUS: STOP, YIELD
-stop at 0.00 until 104.77 YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
+stop at 0.00 until 104.78 YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
 tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_0->to_west_0|from_west_0->to_east_0 from_west
-- arrival_s 2.25 clearance_s 4.20 foe_arrival_s 2.20 foe_clearance_s 3.06
+- arrival_s 2.26 clearance_s 4.19 foe_arrival_s 2.20 foe_clearance_s 3.06
 CLAIMED from_south_0->to_west_0|from_west_0->to_east_0 from_west
 CLAIMED from_south_0->to_west_0|from_east_0->to_west_0 from_east
 7 regions
-FAILURE late 1.00 for 0.00
-meets from_west at 102.25 4.07 161.01 156.82
+FAILURE late 1.01 for 0.00
+meets from_west at 102.26 4.09 161.00 156.84
 rests on from_east from_west is_standing asks
 from_east at from_south_0->to_west_0|from_east_0->to_west_0
 from_west at from_south_0->to_west_0|from_west_0->to_east_0
@@ -199,14 +199,14 @@ delay 0.00 on 100.00 0
 """,
     left_turn: """
 CAUTIOUS: STOP, YIELD
-stop at 10.01 until 103.42 YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
+stop at 10.03 until 103.42 YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
 tuned 10.00 1.00 1.00
 CAUTIOUS because YIELD_TO from_south_1->to_west_1|from_north_0->to_south_0 from_north
-- arrival_s 3.27 clearance_s 4.21 foe_arrival_s 2.42 foe_clearance_s 3.19
+- arrival_s 3.28 clearance_s 4.21 foe_arrival_s 2.42 foe_clearance_s 3.19
 CLAIMED from_south_1->to_west_1|from_north_0->to_south_0 from_north
 4 regions
-FAILURE late 0.69 for 0.00
-meets from_north at 103.00 12.08 196.66 200.11
+FAILURE late 0.70 for 0.00
+meets from_north at 103.00 12.16 196.62 200.18
 rests on from_north asks
 from_north at from_south_1->to_west_1|from_north_0->to_south_0
 1 can be reached, stages (1, 0, 0)

@@ -410,12 +410,12 @@ delay 0.00 on 100.00 0
 """,
     waits_for_a_gap: """
 CHANGING_LANES: STOP, YIELD
-stop at -20.28 NO_GAP road_before_exit_0 beside
-from -60.28 NO_GAP behind beside
+stop at -20.25 NO_GAP road_before_exit_0 beside
+from -60.24 NO_GAP behind beside
 tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
-FINE late 0.89 for 0.00
+FINE late 0.94 for 0.00
 rests on is_standing is_seeking asks GAP_SOUGHT in 0.40
 0 can be reached, stages
 may go by 100.00 stopped at
@@ -423,14 +423,14 @@ delay 0.00 on 100.00 0 waits since 20.00
 """,
     misses_its_turn: """
 TAKING_ANOTHER_WAY: STOP, YIELD
-stop at -20.29 NO_GAP road_before_exit_0 beside
-from -22.29 NO_GAP behind beside
+stop at -20.28 NO_GAP road_before_exit_0 beside
+from -22.28 NO_GAP behind beside
 asks for ROUTE 0 0
 tuned 10.00 1.00 1.00
 CHANGING_LANES because NO_GAP road_before_exit_0 beside
 0 regions
 FAILURE late 1.03 for 0.00
-meets beside at 103.40 -10.32 585.76 93.50
+meets beside at 103.40 -10.31 585.76 93.54
 rests on is_standing is_seeking asks GAP_SOUGHT in 0.40
 0 can be reached, stages
 may go by road_before_exit_0->exit_0 100.00 stopped at

@@ -80,15 +80,15 @@ NEAR_RIGHT = ego_at(RIGHT_FIRST, SOUTH_NORTH, 12.0, 6.0)
 CANNOT_STOP_M = 13.0**2 / (2.0 * USUAL.foe_can_stop_deceleration)
 
 ROWS: dict[str, tuple[Holds, float, float, float]] = {
-    "m that a fast car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 13.0), 26.0, 150.0, 67.714),
-    "m that a slow car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 8.0), 26.0, 150.0, 56.413),
-    "m that a car from the right must be away": (stops_for(FROM_A_STAND, EAST_WEST, 13.0), 26.0, 150.0, 75.926),
-    "m/s at which a near car counts": (stops_at_speed(FROM_A_STAND, WEST_EAST, 20.0), 0.2, 13.0, 0.766),
+    "m that a fast car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 13.0), 26.0, 150.0, 67.57),
+    "m that a slow car from the left must be away": (stops_for(FROM_A_STAND, WEST_EAST, 8.0), 26.0, 150.0, 56.271),
+    "m that a car from the right must be away": (stops_for(FROM_A_STAND, EAST_WEST, 13.0), 26.0, 150.0, 75.498),
+    "m/s at which a near car counts": (stops_at_speed(FROM_A_STAND, WEST_EAST, 20.0), 0.2, 13.0, 0.784),
     "m that a car must be away of an ego that rolls": (stops_for(ROLLING, WEST_EAST, 13.0), 20.0, 150.0, 36.997),
     "m at which the ego goes behind": (stops_for(minor(20.0, 8.0), WEST_EAST, 13.0), 0.5, 30.0, 9.631),
-    "m of oncoming walkers' pace": (stops_for(LEFT, NORTH_SOUTH, 3.0, GREEN), 20.0, 150.0, 27.652),
-    "m of oncoming town traffic": (stops_for(LEFT, NORTH_SOUTH, 10.0, GREEN), 20.0, 150.0, 58.986),
-    "m of oncoming fast traffic": (stops_for(LEFT, NORTH_SOUTH, 13.0, GREEN), 20.0, 150.0, 63.766),
+    "m of oncoming walkers' pace": (stops_for(LEFT, NORTH_SOUTH, 3.0, GREEN), 20.0, 150.0, 27.664),
+    "m of oncoming town traffic": (stops_for(LEFT, NORTH_SOUTH, 10.0, GREEN), 20.0, 150.0, 59.001),
+    "m of oncoming fast traffic": (stops_for(LEFT, NORTH_SOUTH, 13.0, GREEN), 20.0, 150.0, 63.78),
     "m of who comes from the left to an ego inside": (inside(1.0, WEST_EAST), 0.5, 60.0, CANNOT_STOP_M),
     "m of who comes from the right to an ego inside": (inside(1.0, EAST_WEST), 10.0, 60.0, CANNOT_STOP_M),
     "m of who is too near on the right of an ego inside": (inside(1.0, EAST_WEST), 0.5, 10.0, 5.392),
