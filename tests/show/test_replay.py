@@ -133,6 +133,8 @@ def test_the_field_is_that_of_the_kernel_which_chose(scenes):
     chosen = 0
     for scene in decided:
         field, step = scene.field(), scene.step
+        if step.speed == 0.0 and step.command_acceleration == 0.0:
+            continue  # it stands and is to stand: there was nothing to choose
         i = int(np.abs(field.accelerations - step.command_acceleration).argmin())
         j = int(np.abs(field.steering_rates - step.command_steering_rate).argmin())
         is_node = abs(field.accelerations[i] - step.command_acceleration) < 1e-9
