@@ -206,7 +206,7 @@ class Controller:
 def moved(traffic: Traffic, duration: float) -> Traffic:
     """Foresee the others `duration` s on: gaining or losing speed as they do, along their heading."""
     users = tuple(_moved(user, duration) for user in traffic.users)
-    return replace(traffic, time=traffic.time + duration, users=users)
+    return replace(traffic, time=traffic.time + duration, users=users, as_packed=None)
 
 
 def _moved(user: RoadUser, duration: float) -> RoadUser:

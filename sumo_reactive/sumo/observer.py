@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import chain
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, Traffic
+from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, Traffic, packed
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -24,7 +25,7 @@ class EgoObserver:
         self._limits = limits
         self._static = StaticView(sensor.static, ego_id)
         self._view: tuple[object, int, float] = (None, 0, 0.0)
-        self._lanes: tuple[SeenLane, ...] = ()
+        self._lanes: dict[str, SeenLane] = {}
         self._crossings: tuple[SeenCrossing, ...] = ()
         self._lights: tuple[str, ...] = ()
 
@@ -43,18 +44,22 @@ class EgoObserver:
         horizon = self._limits.parameters.foreseen_lights_s
         switches = {light: sensor.switches(light, horizon) for light in self._lights} if horizon else NO_SWITCHES
         static = self._static.near(*plan.curve.at(front)[:2])
-        others = [user for user in sensor.vehicles(self._lanes) if user.id != self._ego_id]
+        on_lanes = sensor.vehicles(self._lanes, self._ego_id)
         walking = (user for crossing in self._crossings for user in sensor.on_crossing(crossing))
-        users = (*others, *walking, *static.users)
+        users, others = tuple(chain.from_iterable([one.users for one in on_lanes])), (*walking, *static.users)
+        boxes = bytearray().join([one.boxes for one in on_lanes])
+        if others:
+            users, boxes = users + others, boxes + packed(others)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(
-            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches
-        )
+            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches,
+            as_packed=boxes,
+        )  # fmt: skip
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""
         seen = [_seen(graph, lane_id) for lane_id in lanes_in_sight(graph, plan, self._limits, front, speed, sight)]
-        self._lanes = tuple(one for one in seen if isinstance(one, SeenLane))
+        self._lanes = {one.lane_id: one for one in seen if isinstance(one, SeenLane)}
         self._crossings = tuple(one for one in seen if isinstance(one, SeenCrossing))
         ahead = [graph.junctions[plan.passages[index].junction_id] for index in in_sight(plan, front, speed)]
         self._lights = tuple(dict.fromkeys(c.light.light_id for one in ahead for c in one.connections if c.light))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import NamedTuple
 
 import libsumo
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.nouns.traffic import BOX_BYTES, Body, RoadUser, packed
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stand_ins import is_stand_in
@@ -93,6 +93,20 @@ class SeenLane(NamedTuple):
     is_internal: bool
 
 
+class OnLane(NamedTuple):
+    """Who is on a lane, and their boxes, packed."""
+
+    users: tuple[RoadUser, ...]
+    boxes: bytes
+
+    def without(self, name: str) -> OnLane:
+        """Return the others."""
+        k = next(k for k, user in enumerate(self.users) if user.id == name)
+        return OnLane(
+            self.users[:k] + self.users[k + 1 :], self.boxes[: k * BOX_BYTES] + self.boxes[(k + 1) * BOX_BYTES :]
+        )
+
+
 class SeenCrossing(NamedTuple):
     """A pedestrian crossing: its edge and lane, the walking areas at its ends, and these ends: x, y, position (m), direction
     (rad) in which somebody steps on."""
@@ -123,7 +137,9 @@ class Sensor:
         self._known: dict[str, _Known] = {}
         self._walkers: dict[str, Body] = {}
         self._now = -math.inf
-        self._seen: dict[str, tuple[RoadUser, ...]] = {}
+        self._looked_at = set[str]()
+        self._seen: dict[str, OnLane] = {}
+        self._lane_of: dict[str, str] = {}
         self._letters: dict[str, str] = {}
         self._programs: dict[tuple[str, str], tuple[tuple[float, str], ...]] = {}
 
@@ -132,7 +148,9 @@ class Sensor:
         now = float(libsumo.simulation.getTime())
         if now != self._now:
             self._now = now
+            self._looked_at.clear()
             self._seen.clear()
+            self._lane_of.clear()
             self._letters.clear()
             self.static.update()
         return now
@@ -165,18 +183,17 @@ class Sensor:
             time += phases[k][0]
         return tuple(found)
 
-    def vehicles(self, lanes: tuple[SeenLane, ...]) -> list[RoadUser]:
-        """Return who drives or stands on `lanes`, stand-ins left out."""
-        seen, found, names_on = self._seen, list[RoadUser](), libsumo.lane.getLastStepVehicleIDs
-        for lane in lanes:
-            lane_id = lane[0]
-            users = seen.get(lane_id)
-            if users is None:
-                names = names_on(lane_id)
-                users = seen[lane_id] = self._read(names, *lane) if names else ()
-            if users:
-                found += users
-        return found
+    def vehicles(self, lanes: Mapping[str, SeenLane], ego_id: str = "") -> list[OnLane]:
+        """Return who drives or stands on each of `lanes`, by id, the ego and stand-ins left out; nothing of an empty one."""
+        seen, names_on = self._seen, libsumo.lane.getLastStepVehicleIDs
+        for lane_id in lanes.keys() - self._looked_at:
+            self._looked_at.add(lane_id)
+            if names := names_on(lane_id):
+                users = self._read(names, *lanes[lane_id])
+                if users:
+                    seen[lane_id] = OnLane(users, packed(users))
+        own = self._lane_of.get(ego_id)
+        return [seen[one].without(ego_id) if one == own else seen[one] for one in lanes if one in seen]
 
     def _read(
         self, names: tuple[str, ...], lane_id: str, edge_id: str, scale: float, internal: bool
@@ -196,6 +213,7 @@ class Sensor:
                 gain = vehicle.getAcceleration(name) * scale
             else:
                 waiting, halted = vehicle.getWaitingTime(name), bool(vehicle.isStopped(name))
+            self._lane_of[name] = lane_id
             found.append(RoadUser(name, x, y, heading, speed, lane_id, position, body, route, waiting, halted, gain))
         return tuple(found)
 

@@ -8,10 +8,10 @@ import pytest
 from helpers.cars import CAR, car_at
 
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.nouns.traffic import NO_POINTS
+from sumo_reactive.driver.nouns.traffic import NO_POINTS, packed
 from sumo_reactive.sumo import observer as room
 from sumo_reactive.sumo.observer import EgoObserver
-from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane
+from sumo_reactive.sumo.sensor import OnLane, SeenCrossing, SeenLane
 from sumo_reactive.sumo.static_obstacles import LANES_REFRESH_M
 
 BENT = Polyline(np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)]))
@@ -41,9 +41,9 @@ class Eyes:
     def letters(self, light):
         return f"{light}:G"
 
-    def vehicles(self, lanes):
-        self.asked.append(tuple(one.lane_id for one in lanes))
-        return [user("a"), user("ego"), user("b")]
+    def vehicles(self, lanes, ego_id):
+        self.asked.append((*lanes, ego_id))
+        return [OnLane(users, packed(users)) for users in ((user("a"),), (), (user("b"),))]
 
     def on_crossing(self, crossing):
         yield user(f"on {crossing.lane_id}")
@@ -80,7 +80,7 @@ def test_all_that_matters_is_told_with_the_time_and_without_the_ego_itself(world
     assert [one.id for one in traffic.users] == ["a", "b", "on :c_c0_0", "stone"]
     assert [one.id for one in traffic.beside] == ["before :c_c0_0"]
     assert traffic.static.tolist() == [[50.0, 0.0]]
-    assert eyes.asked == ["look", ("a_0", ":c_0_0")]
+    assert eyes.asked == ["look", ("a_0", ":c_0_0", "ego")]
     assert world.asked == [(world.graph, world.plan, CAR, 12.0, 8.0, 90.0), (world.plan, 12.0, 8.0)]
 
 
@@ -128,7 +128,7 @@ def test_the_look_goes_elsewhere_with_another_plan_or_sight_and_every_few_metres
 def test_even_the_first_metres_of_a_plan_are_looked_at(world):
     eyes = Eyes()
     EgoObserver("ego", eyes, CAR).observe(world.graph, world.plan, 0.0, 0.0, 0.0)
-    assert eyes.asked[-1] == ("a_0", ":c_0_0")
+    assert eyes.asked[-1] == ("a_0", ":c_0_0", "ego")
 
 
 def test_lanes_and_crossings_are_looked_at_as_the_network_has_them(world):

@@ -9,7 +9,7 @@ from libsumo import constants as tc
 from scripted import Domain, script
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser, packed
 from sumo_reactive.sumo.observed_vehicle import SAME_LEVEL_M, TOUCHING_M, Bystanders, ObservedVehicle
 from sumo_reactive.sumo.sensor import (
     PERSON_DECELERATION,
@@ -48,11 +48,15 @@ def seeing(monkeypatch, on_lanes, on_edges=None, walkers=None, **car):
     return Sensor(), now
 
 
+def vehicles(sensor, *lanes):
+    return [user for one in sensor.vehicles({lane.lane_id: lane for lane in lanes}) for user in one.users]
+
+
 def test_a_vehicle_that_moves_is_read_with_places_and_speeds_over_ground(monkeypatch):
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)})
     assert sensor.look() == 5.0
     body = Body(5.0, 1.75, 7.0, 40.0)
-    assert sensor.vehicles((LANE,)) == [
+    assert vehicles(sensor, LANE) == [
         RoadUser("x", 10.0, 20.0, NORTH, 6.0, "a_0", 45.0, body, ("a", "b", "c"), 0.0, False, -3.0)
     ]
 
@@ -61,7 +65,7 @@ def test_a_vehicle_that_moves_is_read_with_places_and_speeds_over_ground(monkeyp
 def test_who_is_no_faster_than_a_stand_over_ground_is_asked_how_long_and_why(monkeypatch, over, stands):
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getSpeed=STANDING_SPEED + over)
     sensor.look()
-    (one,) = sensor.vehicles((LANE._replace(scale=1.0),))
+    (one,) = vehicles(sensor, LANE._replace(scale=1.0))
     assert (one.waiting_time, one.is_halted) == ((6.0, True) if stands else (0.0, False))
     assert (one.x, one.y, one.heading, one.lane_id, one.lane_position) == (10.0, 20.0, NORTH, "a_0", 30.0)
     assert (one.body.length, one.route) == (5.0, ("a", "b", "c"))
@@ -74,21 +78,21 @@ def test_who_is_no_faster_than_a_stand_over_ground_is_asked_how_long_and_why(mon
 def test_the_way_that_is_left_begins_here_or_behind_the_junction(monkeypatch, index, is_internal, route):
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getRouteIndex=index)
     sensor.look()
-    assert sensor.vehicles((LANE._replace(is_internal=is_internal),))[0].route == tuple(route)
+    assert vehicles(sensor, LANE._replace(is_internal=is_internal))[0].route == tuple(route)
 
 
 def test_of_a_long_way_the_next_edges_are_kept(monkeypatch):
     way = tuple(str(k) for k in range(40))
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getRoute=way)
     sensor.look()
-    assert sensor.vehicles((LANE,))[0].route == way[1 : 1 + ROUTE_AHEAD]
+    assert vehicles(sensor, LANE)[0].route == way[1 : 1 + ROUTE_AHEAD]
 
 
 @pytest.mark.parametrize(("service", "emergency", "hardest"), [(4.0, 7.0, 7.0), (8.0, 7.0, 8.0)])
 def test_a_body_brakes_as_hard_as_the_harder_of_both_that_its_type_says(monkeypatch, service, emergency, hardest):
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getDecel=service, getEmergencyDecel=emergency)
     sensor.look()
-    assert sensor.vehicles((LANE,))[0].body.emergency_deceleration == hardest
+    assert vehicles(sensor, LANE)[0].body.emergency_deceleration == hardest
 
 
 @pytest.mark.parametrize(
@@ -97,7 +101,7 @@ def test_a_body_brakes_as_hard_as_the_harder_of_both_that_its_type_says(monkeypa
 def test_a_trailer_turns_with_its_first_part(monkeypatch, vehicle_class, length, keeps_to_its_way):
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)}, getVehicleClass=vehicle_class, getLength=length)
     sensor.look()
-    assert sensor.vehicles((LANE,))[0].body.turning_length == keeps_to_its_way
+    assert vehicles(sensor, LANE)[0].body.turning_length == keeps_to_its_way
 
 
 def test_lanes_are_told_in_order_and_stand_ins_and_empty_lanes_left_out(monkeypatch):
@@ -105,7 +109,7 @@ def test_lanes_are_told_in_order_and_stand_ins_and_empty_lanes_left_out(monkeypa
     sensor, _ = seeing(monkeypatch, on)
     sensor.look()
     lanes = tuple(LANE._replace(lane_id=name, edge_id=name[0]) for name in ("c_0", "b_0", "a_0"))
-    assert [(user.id, user.lane_id) for user in sensor.vehicles(lanes)] == [("w", "c_0"), ("x", "a_0"), ("y", "a_0")]
+    assert [(user.id, user.lane_id) for user in vehicles(sensor, *lanes)] == [("w", "c_0"), ("x", "a_0"), ("y", "a_0")]
 
 
 def test_a_body_is_read_once_a_way_on_a_new_edge_and_after_a_while_and_a_lane_once_a_step(monkeypatch):
@@ -120,7 +124,7 @@ def test_a_body_is_read_once_a_way_on_a_new_edge_and_after_a_while_and_a_lane_on
         asked.clear()
         now.time = time
         sensor.look()
-        sensor.vehicles((lane,))
+        vehicles(sensor, lane)
         return sorted(asked)
 
     next_lane = LANE._replace(lane_id="b_0", edge_id="b")
@@ -306,3 +310,13 @@ def test_bystanders_are_those_on_roads_that_a_junction_joins_and_on_none(monkeyp
     libsumo.vehicle.answers["getContextSubscriptionResults"] = {"ego": {}}
     assert bystanders.look() == ()
     assert libsumo.vehicle.told[-1] == ("unsubscribeContext", "ego", tc.CMD_GET_VEHICLE_VARIABLE, TOUCHING_M)
+
+
+def test_the_ego_is_left_out_of_its_lane_and_the_boxes_are_those_of_the_others(monkeypatch):
+    sensor, _ = seeing(monkeypatch, {"a_0": ("x", "ego", "y"), "b_0": ("z",), "empty_0": ()})
+    lanes = {"a_0": LANE, "empty_0": LANE._replace(lane_id="empty_0"), "b_0": LANE._replace(lane_id="b_0")}
+    sensor.look()
+    found = sensor.vehicles(lanes, "ego")
+    assert [[user.id for user in one.users] for one in found] == [["x", "y"], ["z"]]
+    assert [one.boxes for one in found] == [packed(one.users) for one in found]
+    assert [user.id for one in sensor.vehicles(lanes) for user in one.users] == ["x", "ego", "y", "z"]

@@ -34,7 +34,8 @@ def seen_lane(graph, lane_id: str) -> SeenLane:
 def looked(sensor: Sensor, *lanes: SeenLane):
     """Who is on these lanes now, by id."""
     sensor.look()
-    return {user.id: user for user in sensor.vehicles(lanes)}
+    seen = sensor.vehicles({lane.lane_id: lane for lane in lanes})
+    return {user.id: user for one in seen for user in one.users}
 
 
 def test_a_vehicle_is_seen_where_it_is_with_its_body_and_the_way_it_goes(net, tmp_path):

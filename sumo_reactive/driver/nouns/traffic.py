@@ -60,12 +60,19 @@ class RoadUser(NamedTuple):
 
 _BOX = Struct("6d")
 
+BOX_BYTES = _BOX.size
+"""A packed box takes so many."""
+
+
+def packed(users: Iterable[RoadUser]) -> bytes:
+    """Return the boxes of `users` as `boxes_of` does, packed."""
+    pack = _BOX.pack
+    return b"".join([pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users])  # by place: it is done at every step
+
 
 def boxes_of(users: Iterable[RoadUser]) -> NDArray[np.float64]:
     """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width (m, rad, m/s)."""
-    pack = _BOX.pack
-    packed = [pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users]  # by place: it is done for all at every step
-    return np.frombuffer(bytearray().join(packed)).reshape(-1, 6)
+    return np.frombuffer(bytearray(packed(users))).reshape(-1, 6)
 
 
 Switches = Mapping[str, tuple[tuple[float, str], ...]]
@@ -82,6 +89,7 @@ class Traffic:
     `sight` (m): how far ahead the oncoming lane was looked at. `static` (k, 2): points, m, of what stands near for good,
     roads' borders apart, which the map tells. `beside`: pedestrians who are about to step on a crossing, their position
     negative or beyond its length; they are not on the road yet. `switches`: what is known of the lights' future.
+    `as_packed`: the boxes of all `users`, where whoever has seen them has packed them.
     """
 
     time: float
@@ -91,8 +99,9 @@ class Traffic:
     static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)
     beside: tuple[RoadUser, ...] = ()
     switches: Switches = field(default_factory=lambda: NO_SWITCHES)
+    as_packed: bytearray | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def boxes(self) -> NDArray[np.float64]:
         """The boxes (n, 6) of `users`, packed once for all who look at them."""
-        return boxes_of(self.users)
+        return boxes_of(self.users) if self.as_packed is None else np.frombuffer(self.as_packed).reshape(-1, 6)
