@@ -47,6 +47,9 @@ _BRAKING_TOLERANCE = 0.1
 _AT_END_M = 0.05
 """A front this near to the end of its lane, or past it, is at it."""
 
+_SAME_LANE_M = 0.1
+"""SUMO looks for leaders beyond the lane so far: hardly at all, which is cheap."""
+
 _BEFORE_END_M = 0.005
 """What stands on the end of its lane is put this far before it: at the end itself SUMO has it in the junction, where it
 would keep off others while it waits at red."""
@@ -200,7 +203,7 @@ class Ego:
         over another lane sorts it in.
         """
         vehicle = libsumo.vehicle
-        ahead = vehicle.getLeader(self.id)
+        ahead = vehicle.getLeader(self.id, _SAME_LANE_M)  # looks no farther than that beyond the lane
         if not ahead or ahead[1] > -self.limits.length:
             return
         other, lane_id, position = ahead[0], vehicle.getLaneID(self.id), vehicle.getLanePosition(self.id)

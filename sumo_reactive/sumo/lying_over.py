@@ -38,6 +38,8 @@ def lane_lain_over(by: Occupant, s: float, edges: tuple[str, ...], shown: str = 
     """
     front = s + by.limits.front_overhang
     ends = by.here, segment_at(by.plan, front - by.limits.length)
+    if _are_near_middle(by, ends):
+        return None
     corners = _corners(by)
     if _is_within(by.graph, ends, corners):
         return None
@@ -76,6 +78,16 @@ def _corners(by: Occupant) -> _Corners:
     (x, y), (rx, ry) = by.front, by.behind_front(by.limits.length)
     ax, ay = -half * math.sin(heading), half * math.cos(heading)
     return (x + ax, y + ay), (x - ax, y - ay), (rx - ax, ry - ay), (rx + ax, ry + ay)
+
+
+def _are_near_middle(by: Occupant, ends: tuple[LaneSegment, LaneSegment]) -> bool:
+    """Whether both ends of the body are so near to the middle of their lanes that no corner can be beside one, however the
+    body is turned."""
+    for segment, place in zip(ends, (by.front, by.behind_front(by.limits.length)), strict=True):
+        lane = by.graph.lanes[segment.lane_id]
+        if abs(lane.spine.offset(*place)) + 0.5 * by.limits.width > 0.5 * lane.width + OCCUPIED_LANE_M:
+            return False
+    return True
 
 
 def _is_within(graph: RoadGraph, ends: tuple[LaneSegment, LaneSegment], corners: _Corners) -> bool:

@@ -13,7 +13,7 @@ from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.sensor import SeenCrossing, SeenLane, Sensor
-from sumo_reactive.sumo.static_obstacles import LANES_REFRESH_M, StaticView
+from sumo_reactive.sumo.static_obstacles import LANES_REFRESH_M, NOTHING, StaticView
 
 
 class EgoObserver:
@@ -25,6 +25,7 @@ class EgoObserver:
         self._limits = limits
         self._static = StaticView(sensor.static, ego_id)
         self._view: tuple[object, int, float] = (None, 0, 0.0)
+        self._in_view: tuple[str, ...] = ()
         self._lanes: dict[str, SeenLane] = {}
         self._crossings: tuple[SeenCrossing, ...] = ()
         self._lights: tuple[str, ...] = ()
@@ -43,7 +44,7 @@ class EgoObserver:
         lights = {light: sensor.letters(light) for light in self._lights}
         horizon = self._limits.parameters.foreseen_lights_s
         switches = {light: sensor.switches(light, horizon) for light in self._lights} if horizon else NO_SWITCHES
-        static = self._static.near(*plan.curve.at(front)[:2])
+        static = NOTHING if self._static.is_empty else self._static.near(*plan.curve.at(front)[:2])
         on_lanes = sensor.vehicles(self._lanes, self._ego_id)
         walking = (user for crossing in self._crossings for user in sensor.on_crossing(crossing))
         users, others = tuple(chain.from_iterable([one.users for one in on_lanes])), (*walking, *static.users)
@@ -58,9 +59,11 @@ class EgoObserver:
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:
         """Choose lanes, crossings and lights for the next metres."""
-        seen = [_seen(graph, lane_id) for lane_id in lanes_in_sight(graph, plan, self._limits, front, speed, sight)]
-        self._lanes = {one.lane_id: one for one in seen if isinstance(one, SeenLane)}
-        self._crossings = tuple(one for one in seen if isinstance(one, SeenCrossing))
+        in_view = lanes_in_sight(graph, plan, self._limits, front, speed, sight)
+        if in_view is not self._in_view:
+            self._in_view, seen = in_view, [_seen(graph, lane_id) for lane_id in in_view]
+            self._lanes = {one.lane_id: one for one in seen if isinstance(one, SeenLane)}
+            self._crossings = tuple(one for one in seen if isinstance(one, SeenCrossing))
         ahead = [graph.junctions[plan.passages[index].junction_id] for index in in_sight(plan, front, speed)]
         self._lights = tuple(dict.fromkeys(c.light.light_id for one in ahead for c in one.connections if c.light))
 

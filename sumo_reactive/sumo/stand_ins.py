@@ -68,6 +68,8 @@ class Occupant(NamedTuple):
 def mapped_next(by: Occupant, before: VehicleState) -> str:
     """Return the lane that SUMO will have the ego on after a step from `before`: the one of C if the front comes nearer to
     its middle in this step than to that of the lane beside where it is mapped, else as it is."""
+    if by.mapped == by.here.lane_id:
+        return by.mapped
     own = by.graph.lanes[by.here.lane_id]
     beside = next((one for one in by.graph.neighbours(own.id) if one is not None and one.id == by.mapped), None)
     if beside is None:
@@ -126,6 +128,8 @@ def mapped_elsewhere(by: Occupant, s: float, edges: tuple[str, ...]) -> Occupied
     """Return where to show an ego whom SUMO has on the lane beside its own, or on a lane of a junction that its plan does
     not use, so that those behind it see its rear; None: SUMO has it where it drives. `s`: where its front axle is, m of C;
     `edges`: its route."""
+    if by.mapped == by.here.lane_id:
+        return None
     if any(lane is not None and lane.id == by.mapped for lane in by.graph.neighbours(by.here.lane_id)):
         return OccupiedLane(by.graph.lanes[by.here.lane_id], *by.front, by.ego.speed, edges[by.here.route_index :])
     if not by.mapped.startswith(":") or any(segment.lane_id == by.mapped for segment in by.plan.segments):
@@ -167,8 +171,11 @@ def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:
     long there as it is over ground, and those behind come so much nearer; None: there is nothing to show. `edges`: its
     route from its lane segment on."""
     lane, length = by.graph.lanes[by.here.lane_id], by.limits.length
-    unseen, front = length - length * lane.scale, lane.spine.project(*by.front)[0]
-    if unseen < UNSEEN_REAR_M or by.ego.speed > CREEPING_SPEED or lane.is_internal or front < length:
+    unseen = length - length * lane.scale
+    if unseen < UNSEEN_REAR_M or by.ego.speed > CREEPING_SPEED or lane.is_internal:
+        return None
+    front = lane.spine.project(*by.front)[0]
+    if front < length:
         return None
     seen = length * lane.scale + OCCUPIED_LANE_M  # and as much clear of that: it waits where somebody is, and so is the ego
     x, y = lane.spine.at(front - seen)

@@ -48,6 +48,9 @@ class Static(NamedTuple):
     points: _Points
 
 
+NOTHING = Static((), NO_POINTS)
+
+
 class StaticObstacles:
     """Reads the polygons once, and keeps account of parked vehicles from step to step."""
 
@@ -91,8 +94,13 @@ class StaticView:
 
     def __init__(self, obstacles: StaticObstacles, ego_id: str = "") -> None:
         self._obstacles, self._ego_id = obstacles, ego_id
-        self._near = Static((), NO_POINTS)
+        self._near = NOTHING
         self._seen = (math.inf, math.inf, -1)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing stands anywhere."""
+        return not (self._obstacles.users or self._obstacles.outlines or self._obstacles.parked)
 
     def near(self, x: float, y: float) -> Static:
         """Return what stands near (x, y), m."""

@@ -156,23 +156,35 @@ def lanes_in_sight(
     graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float, sight: float = 0.0
 ) -> tuple[str, ...]:
     """Return the ids of the lanes whose users matter now, each once; `sight` (m): how far to look at the own road."""
-    lanes: dict[str, None] = {}
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
-    for segment in plan.segments:
-        if segment.start <= max(reach, front + sight) and segment.end >= front - ATTENTION_BEHIND_M:
-            lane = graph.lanes[segment.lane_id]
-            lanes.update((one.id, None) for one in graph.edge_lanes.get(lane.edge_id, (lane,)))
-            lanes.update((one.id, None) for one in graph.oncoming(lane.edge_id))
-    if plan.segments[-1].start <= reach:
+    far, behind = max(reach, front + sight), front - ATTENTION_BEHIND_M
+    ways = tuple(i for i, one in enumerate(plan.segments) if one.start <= far and one.end >= behind)
+    beside, change = "", plan.next_change(front)
+    if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
+        beside = lane_sought(graph, plan, front) or change.to_lane
+    elif (merge := plan.merging(front)) is not None:
+        beside = merge.to_lane
+    return _lanes_of(plan, graph, limits, (ways, plan.segments[-1].start <= reach, in_sight(plan, front, speed), beside))
+
+
+@kept(PLANS_KEPT)
+def _lanes_of(
+    plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, seen: tuple[tuple[int, ...], bool, tuple[int, ...], str]
+) -> tuple[str, ...]:
+    """Return the lanes of and around what is `seen` of a plan: segments, whether that is all, passages, a lane beside."""
+    lanes: dict[str, None] = {}
+    ways, is_all, passages, beside = seen
+    for i in ways:
+        lane = graph.lanes[plan.segments[i].lane_id]
+        lanes.update((one.id, None) for one in graph.edge_lanes.get(lane.edge_id, (lane,)))
+        lanes.update((one.id, None) for one in graph.oncoming(lane.edge_id))
+    if is_all:
         lanes.update(dict.fromkeys(_lanes_beyond(graph, graph.lanes[plan.segments[-1].lane_id].edge_id)))
-    for i in in_sight(plan, front, speed):
+    for i in passages:
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
         lanes.update(dict.fromkeys(_lanes_to(graph, swept_conflicts(plan, graph, limits).get(i, ()))))
-    change = plan.next_change(front)
-    if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
-        lanes.update(dict.fromkeys(lane_axis(graph, lane_sought(graph, plan, front) or change.to_lane)))
-    elif (merge := plan.merging(front)) is not None:
-        lanes.update(dict.fromkeys(lane_axis(graph, merge.to_lane)))
+    if beside:
+        lanes.update(dict.fromkeys(lane_axis(graph, beside)))
     return tuple(lanes)
 
 
