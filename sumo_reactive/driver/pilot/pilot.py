@@ -92,7 +92,7 @@ def decide(
     situation, asked = _asked(situation, behaviour)
     turning = _turn(situation)
     situation, rules = _with_turn(*_with_room(situation, asked))
-    waits_since = waiting_since(snapshot, situation.stop, situation.memory)
+    waits_since = waiting_since(snapshot, plan, view.ahead, situation.stop, situation.memory)
     situation = situation._replace(memory=situation.memory._replace(waiting_since=waits_since))
     orders = _ordered(situation, behaviour, rules)
     orders = (_passing if behaviour is Behaviour.OVERTAKING else _escaping)(situation, orders)

@@ -4,23 +4,36 @@ from __future__ import annotations
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
+from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
+from sumo_reactive.driver.pilot.passages import Ahead
+from sumo_reactive.driver.pilot.rules.lights import letter_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 AT_LANE_END_M = 5.0
 """At the end of its lane is who is not farther than a car's length from the last place to change."""
 
 
-def waiting_since(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemory) -> float | None:
+def waiting_since(
+    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, stop: TimeConstraint | None, memory: PilotMemory
+) -> float | None:
     """Return since when (s) the ego waits for a gap to change lanes; None: it does not. Who creeps still waits.
 
-    `stop` is the nearest place to stop at.
+    `stop` is the nearest place to stop at. While the light `ahead` holds back those on the other lane as well, the ego loses
+    nothing by waiting: it waits from the end of that on.
     """
     if stop is None or stop.reason is not Reason.NO_GAP or snapshot.ego.speed > CREEPING_SPEED:
         return None
-    return snapshot.time if memory.waiting_since is None else memory.waiting_since
+    is_new = memory.waiting_since is None or _is_red(snapshot, plan, ahead)
+    return snapshot.time if is_new else memory.waiting_since
+
+
+def _is_red(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> bool:
+    """Whether the light before the next junction shows red, or yellow, to who takes the plan's way there."""
+    way = next((connection for i, connection, _ in ahead if plan.passages[i].start > snapshot.front), None)
+    return way is not None and letter_of(way, snapshot) in tuple("rRuyY")
 
 
 def is_missed(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemory) -> bool:
