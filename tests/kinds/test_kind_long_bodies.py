@@ -107,7 +107,7 @@ def test_a_car_keeps_clear_of_a_long_tail_that_reaches_out_of_its_bend(tmp_path,
 
 
 @pytest.mark.parametrize("radius", [1.5, 4.0])
-@pytest.mark.parametrize(("other", "late"), [("wc", 0.0), ("wc", 3.0), ("sc", 1.5), ("sc", 2.5), ("sc", 3.5)])
+@pytest.mark.parametrize(("other", "late"), [("wc", 0.0), ("wc", 3.0), ("sc", 1.5), ("sc", 2.0), ("sc", 2.5), ("sc", 3.5)])
 def test_a_bus_that_cuts_the_corner_waits_inside_for_nobody_who_has_not_come_in(tmp_path, other, late, radius):
     """Its body comes over the lane beside its own behind the junction, to which another's way leads: he stands at his red
     light, or he is behind it and sees it there."""

@@ -143,7 +143,8 @@ def _may_wait(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits) -> b
 def _before_off_tracking(
     snapshot: Snapshot, place: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
 ) -> LaneChanging:
-    """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop.
+    """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop: he
+    keeps his speed until then or, where the ego drives, comes down to its pace, as in a bend.
 
     An ego inside a junction waits there for nobody who has not come in yet: the regions say who of them goes first, and
     those behind on the lanes beside its own see its body.
@@ -158,8 +159,11 @@ def _before_off_tracking(
         lane_id = neighbour.user.lane_id
         if inside and neighbour.ahead < 0.0 and lane_id != place.lane_id and not lane_id.startswith(":"):
             continue
-        ahead = neighbour.ahead + neighbour.user.speed * time - left
-        if not leaves_gap(neighbour._replace(ahead=ahead), pace, limits, urgency):
+        his = neighbour.user.speed
+        slower = min(his, pace) if speed > CREEPING_SPEED else his
+        soonest, latest = (neighbour.ahead + one * time - left for one in (his, slower))
+        ends = (neighbour._replace(ahead=ahead) for ahead in (soonest, latest))
+        if latest < 0.0 < soonest or not all(leaves_gap(one, pace, limits, urgency) for one in ends):
             return LaneChanging(stop=stop_at(place.start, Reason.NO_GAP, region=place.lane_id, cause=neighbour.user.id))
     return LaneChanging()
 
