@@ -7,7 +7,7 @@ from itertools import chain
 
 from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, Traffic, packed
+from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, Traffic, packed_boxes
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import in_sight, lanes_in_sight
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -50,7 +50,7 @@ class EgoObserver:
         users, others = tuple(chain.from_iterable([one.users for one in on_lanes])), (*walking, *static.users)
         boxes = bytearray().join([one.boxes for one in on_lanes])
         if others:
-            users, boxes = users + others, boxes + packed(others)
+            users, boxes = users + others, boxes + packed_boxes(others)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(
             time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches,

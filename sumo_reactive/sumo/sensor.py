@@ -10,7 +10,7 @@ from typing import NamedTuple
 import libsumo
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import BOX_BYTES, Body, RoadUser, packed
+from sumo_reactive.driver.nouns.traffic import BOX_BYTES, Body, RoadUser, packed_boxes
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stand_ins import is_stand_in
@@ -191,7 +191,7 @@ class Sensor:
             if names := names_on(lane_id):
                 users = self._read(names, *lanes[lane_id])
                 if users:
-                    seen[lane_id] = OnLane(users, packed(users))
+                    seen[lane_id] = OnLane(users, packed_boxes(users))
         own = self._lane_of.get(ego_id)
         return [seen[one].without(ego_id) if one == own else seen[one] for one in lanes if one in seen]
 

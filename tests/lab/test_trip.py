@@ -82,7 +82,7 @@ def test_the_line_that_the_ego_crosses_is_noted_with_its_letters():
 
 def test_the_judges_are_shown_who_is_beside_the_ego_whether_its_driver_looks_there_or_not(monkeypatch):
     """A driver who sees nobody: those beside it are SUMO's word."""
-    monkeypatch.setattr(Sensor, "vehicles", lambda sensor, lanes: [])
+    monkeypatch.setattr(Sensor, "vehicles", lambda sensor, lanes, ego_id: [])
     scenes = []
     run_trial(replace(load_scenario(LIGHTS), horizon_s=40.0), observer=scenes.append)
     assert not any(scene.users for scene in scenes)

@@ -8,7 +8,7 @@ import pytest
 from helpers.cars import CAR, car_at
 
 from sumo_reactive.driver.geometry.polyline import Polyline
-from sumo_reactive.driver.nouns.traffic import NO_POINTS, packed
+from sumo_reactive.driver.nouns.traffic import NO_POINTS, packed_boxes
 from sumo_reactive.sumo import observer as room
 from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.sensor import OnLane, SeenCrossing, SeenLane
@@ -43,7 +43,7 @@ class Eyes:
 
     def vehicles(self, lanes, ego_id):
         self.asked.append((*lanes, ego_id))
-        return [OnLane(users, packed(users)) for users in ((user("a"),), (), (user("b"),))]
+        return [OnLane(users, packed_boxes(users)) for users in ((user("a"),), (), (user("b"),))]
 
     def on_crossing(self, crossing):
         yield user(f"on {crossing.lane_id}")

@@ -9,7 +9,7 @@ from libsumo import constants as tc
 from scripted import Domain, script
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import Body, RoadUser, packed
+from sumo_reactive.driver.nouns.traffic import Body, RoadUser, packed_boxes
 from sumo_reactive.sumo.observed_vehicle import SAME_LEVEL_M, TOUCHING_M, Bystanders, ObservedVehicle
 from sumo_reactive.sumo.sensor import (
     PERSON_DECELERATION,
@@ -318,5 +318,5 @@ def test_the_ego_is_left_out_of_its_lane_and_the_boxes_are_those_of_the_others(m
     sensor.look()
     found = sensor.vehicles(lanes, "ego")
     assert [[user.id for user in one.users] for one in found] == [["x", "y"], ["z"]]
-    assert [one.boxes for one in found] == [packed(one.users) for one in found]
+    assert [one.boxes for one in found] == [packed_boxes(one.users) for one in found]
     assert [user.id for one in sensor.vehicles(lanes) for user in one.users] == ["x", "ego", "y", "z"]

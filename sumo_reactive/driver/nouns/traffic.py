@@ -64,7 +64,7 @@ BOX_BYTES = _BOX.size
 """A packed box takes so many."""
 
 
-def packed(users: Iterable[RoadUser]) -> bytes:
+def packed_boxes(users: Iterable[RoadUser]) -> bytes:
     """Return the boxes of `users` as `boxes_of` does, packed."""
     pack = _BOX.pack
     return b"".join([pack(u[1], u[2], u[3], u[4], u[7][0], u[7][1]) for u in users])  # by place: it is done at every step
@@ -72,7 +72,7 @@ def packed(users: Iterable[RoadUser]) -> bytes:
 
 def boxes_of(users: Iterable[RoadUser]) -> NDArray[np.float64]:
     """Return the boxes (n, 6) of `users`: front x, y, heading, speed, length, width (m, rad, m/s)."""
-    return np.frombuffer(bytearray(packed(users))).reshape(-1, 6)
+    return np.frombuffer(bytearray(packed_boxes(users))).reshape(-1, 6)
 
 
 Switches = Mapping[str, tuple[tuple[float, str], ...]]

@@ -144,7 +144,7 @@ def _before_off_tracking(
     snapshot: Snapshot, place: OffTracking, plan: NominalPlan, limits: VehicleLimits, waited: float
 ) -> LaneChanging:
     """Stop before a cut into the lane beside if somebody there is near when the ego comes to it, and it can still stop: he
-    keeps his speed until then or, where the ego drives, comes down to its pace, as in a bend.
+    keeps his speed until then or, where both have to turn before they are there, comes down to the pace of the ego.
 
     An ego inside a junction waits there for nobody who has not come in yet: the regions say who of them goes first, and
     those behind on the lanes beside its own see its body.
@@ -155,12 +155,13 @@ def _before_off_tracking(
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.off_tracking_patience_s, 1.0)
     inside = any(one.start < snapshot.front and place.start < one.end + limits.length for one in plan.passages)
+    turns = speed > CREEPING_SPEED and any(snapshot.front < one.start <= place.start for one in plan.passages)
     for neighbour in snapshot.neighbours:
         lane_id = neighbour.user.lane_id
         if inside and neighbour.ahead < 0.0 and lane_id != place.lane_id and not lane_id.startswith(":"):
             continue
         his = neighbour.user.speed
-        slower = min(his, pace) if speed > CREEPING_SPEED else his
+        slower = min(his, pace) if turns else his
         soonest, latest = (neighbour.ahead + one * time - left for one in (his, slower))
         ends = (neighbour._replace(ahead=ahead) for ahead in (soonest, latest))
         if latest < 0.0 < soonest or not all(leaves_gap(one, pace, limits, urgency) for one in ends):
