@@ -49,6 +49,7 @@ class Static(NamedTuple):
 
 
 NOTHING = Static((), NO_POINTS)
+"""Nothing stands near."""
 
 
 class StaticObstacles:
