@@ -281,6 +281,10 @@ class Parameters:
     """…and that with which who is behind must be able to stop: SUMO's cars brake 1.2 times as hard as they must, here
     4.6."""
 
+    asked_deceleration: float = 2.0
+    """Who is asked to let the ego in slows down by no more than this (0: nobody is asked): less than half of what SUMO's
+    cars do for each other."""
+
     off_tracking_patience_s: float = 15.0
     """After so long a wait for a gap to cut into, the ego takes one that those behind must brake for, though not hard."""
 

@@ -199,7 +199,9 @@ class Trip:
         is_unmapped = here.lane_id in self._unmapped
         self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_unmapped)
         self._ego.let_go(step.completed.let_go)
-        self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in step.completed.decisions))
+        decisions = step.completed.decisions
+        self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in decisions))
+        self._ego.ask(next((one.cause for one in decisions if one.reason is Reason.LET_IN), ""))
         self._show(*self._occupied(step, here))
 
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:

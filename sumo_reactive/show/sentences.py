@@ -134,6 +134,10 @@ REASONS: dict[Reason, Wording] = {
         "stays on its lane, which ends in a merge, since {cause} leaves no gap on lane {region}",
         "changes to lane {region}, since its own ends in a merge",
     ),
+    Reason.LET_IN: Wording(
+        "stays on its lane, since {cause} does not let it in on lane {region}",
+        "asks {cause} to let it in on lane {region}",
+    ),
     Reason.QUEUE_CHANGE: Wording(
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",

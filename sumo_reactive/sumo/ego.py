@@ -41,6 +41,12 @@ _NO_CHANGES = 0
 _ASK_FOR_ROOM = 513
 """SUMO's mode of lane changing: it wants the changes that the route needs, and respects the others' gaps."""
 
+_ASKED_HEADWAY_S, _ASKED_FOR_S, _AT_ONCE = 3.0, 5.0, 10.0
+"""Who is asked to let the ego in opens such a gap, and keeps it so long (s); the rate (1/s) with which he turns to it."""
+
+_KEEPS_CLEAR = 1
+"""Bit of SUMO's mode of speed: it drives so that it can stop behind who is ahead."""
+
 _BRAKING_TOLERANCE = 0.1
 """m/s²; the ego brakes harder than its type says if it does by more than this."""
 
@@ -86,7 +92,7 @@ class Ego:
         self._let_go: dict[str, str] = {}
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
-        self._asks = False
+        self._asks, self._asked = False, ""
         self._leaves_by: Lane | None = None
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
@@ -231,6 +237,30 @@ class Ego:
             self._asks = wants_room
             libsumo.vehicle.setLaneChangeMode(self.id, _ASK_FOR_ROOM if wants_room else _NO_CHANGES)
 
+    def ask(self, user: str) -> None:
+        """Ask somebody on the lane beside, and nobody else any more (empty: nobody), to fall back gently behind the ego.
+
+        SUMO's cars let each other in, but nobody that is moved from outside. Who is so himself, or does not come by the
+        ego's road, is not asked.
+        """
+        if user == self._asked:
+            return
+        vehicle, before, self._asked = libsumo.vehicle, self._asked, ""
+        with contextlib.suppress(libsumo.TraCIException):  # he has left
+            if before:
+                vehicle.deactivateGapControl(before)
+        with contextlib.suppress(libsumo.TraCIException):
+            if user and vehicle.getSpeedMode(user) & _KEEPS_CLEAR and self._is_before(user):
+                braking = self.limits.parameters.asked_deceleration
+                vehicle.openGap(user, _ASKED_HEADWAY_S, 0.0, _ASKED_FOR_S, _AT_ONCE, braking, self.id)
+                self._asked = user
+
+    def _is_before(self, user: str) -> bool:
+        """Whether the way of a user leads past the ego."""
+        vehicle = libsumo.vehicle
+        edge, position = vehicle.getRoadID(self.id), vehicle.getLanePosition(self.id)
+        return bool(edge) and bool(vehicle.getDrivingDistance(user, edge, position) >= 0.0)
+
     def _announced(self, speed: float, intent: Intent, duration: float) -> float:
         if speed >= STANDING_SPEED:
             self._standing = 0.0
@@ -300,11 +330,13 @@ class Ego:
     def arrive(self) -> None:
         """Take the ego off the road as arrived, so that SUMO's outputs hold its trip."""
         self.let_go(())
+        self.ask("")
         libsumo.vehicle.remove(self.id, _REMOVE_ARRIVED)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
         self.let_go(())
+        self.ask("")
         give_back(self.id)
 
     def _refuse_oncoming_side(self) -> None:

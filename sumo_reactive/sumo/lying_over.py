@@ -45,7 +45,7 @@ def lane_lain_over(by: Occupant, s: float, edges: tuple[str, ...], shown: str = 
         return None
     box, most, found = shapely.polygons(corners), 0.0, None
     for lane, along in _lanes_around(by, ends, front, shown):
-        area = shapely.intersection(box, _middle_of(lane, _left_beside(lane) if along is None else OCCUPIED_LANE_M))
+        area = shapely.intersection(box, _middle_of(lane, _left_beside(lane)))
         if shapely.area(area) > most:
             most, found = shapely.area(area), (lane, along, area)
     if found is None:
@@ -143,7 +143,7 @@ def _roads_of(graph: RoadGraph, own: Lane) -> tuple[str, ...]:
 
 
 def _left_beside(lane: Lane) -> float:
-    """Return how far a body may reach over a lane of others who come, and yet not be in the way of wide ones there, m."""
+    """Return how far a body may reach over a lane, and yet not be in the way of wide ones there, m."""
     return min(0.5 * (lane.width - _WIDE_M) + OCCUPIED_LANE_M, OFF_TRACKING_M)
 
 

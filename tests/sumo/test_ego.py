@@ -1,6 +1,7 @@
 """The ego in a real simulation, where its body swings out of its lanes."""
 
 from contextlib import contextmanager
+from itertools import pairwise
 
 import libsumo
 import pytest
@@ -344,3 +345,42 @@ def test_sumo_lets_somebody_pass_who_is_let_go_though_the_ego_stands_in_the_junc
             libsumo.simulationStep()
         left = "other" not in libsumo.vehicle.getIDList() or libsumo.vehicle.getLaneID("other") == "cs_0"
         assert left is is_let_go
+
+
+def asked_at(tmp_path, asked, *, told=True, mode=31):
+    """Return the speeds of a car that comes up behind an ego at 5 m/s, by step, asked to let it in for the second second."""
+    other = '<vType id="calm" sigma="0"/><vehicle id="other" type="calm" depart="0" departPos="30" departSpeed="13">'
+    other += '<route edges="wc ce"/></vehicle>'
+    speeds, how = [], ("--default.speeddev", "0")
+    with on_cross(tmp_path, 'departPos="95" departSpeed="5"', before=other, options=how) as (ego, lane):
+        ego.take_over(0.1)
+        libsumo.vehicle.setSpeedMode("other", mode)
+        x = libsumo.vehicle.getPosition("ego")[0]
+        for k in range(30):
+            ego.ask(asked if told and 10 <= k < 20 else "")
+            placed_at(ego, x + 0.5 * (k + 1), speed=5.0, lane=lane)
+            speeds.append(libsumo.vehicle.getSpeed("other"))
+    return speeds
+
+
+def test_who_is_asked_falls_back_gently_until_he_is_asked_no_more(tmp_path):
+    alone, asked = (asked_at(tmp_path, "other", told=told) for told in (False, True))
+    assert asked[:10] == alone[:10]
+    brakes = [10.0 * (a - b) for a, b in pairwise(asked[9:20])]
+    assert max(brakes) == pytest.approx(2.0, abs=0.01)
+    assert asked[19] < alone[19] - 1.0
+    assert asked[29] > asked[19]
+
+
+@pytest.mark.parametrize(("asked", "mode"), [("gone", 31), ("", 31), ("other", 32)])
+def test_nobody_is_asked_who_has_left_or_is_moved_from_outside(tmp_path, asked, mode):
+    assert asked_at(tmp_path, asked, mode=mode) == asked_at(tmp_path, asked, told=False, mode=mode)
+
+
+def test_who_does_not_come_by_the_egos_road_is_not_asked(tmp_path):
+    other = '<vehicle id="other" depart="0" departPos="15" departSpeed="13"><route edges="nc cs"/></vehicle>'
+    with on_cross(tmp_path, before=other, options=("--default.speeddev", "0")) as (ego, lane):
+        ego.take_over(0.1)
+        ego.ask("other")
+        placed_at(ego, -60.0, speed=0.0, lane=lane)
+        assert libsumo.vehicle.getSpeed("other") > 13.0

@@ -61,6 +61,7 @@ class Reason(Enum):
     NO_GAP = "no gap on the lane that the route needs"
     GAP_CLOSED = "the gap on the other lane has closed"
     MERGE_AHEAD = "the lane ends in a merge, and there is a gap on the lane beside"
+    LET_IN = "somebody on the lane beside is asked to let the ego in"
     QUEUE_CHANGE = "the queue ahead is held up, and a lane beside leads on as well"
     FASTER_LANE = "a lane beside that leads on as well gets on faster"
     BLOCKED = "the way is blocked"

@@ -35,7 +35,8 @@ class LaneChanging(NamedTuple):
 
     Begin it now to `side` (0: not now), stop at the latest by `stop`, and meanwhile stay behind `slot`, the vehicle on
     the other lane that the ego will follow. `why`: the reason for a change that the route does not need, or for calling off
-    one that has begun (`calls_off`). `wishes`: there is no gap yet for one that the ego would rather make.
+    one that has begun (`calls_off`), or who is asked to let the ego in. `wishes`: there is no gap yet for one that the ego
+    would rather make.
     """
 
     side: int = 0

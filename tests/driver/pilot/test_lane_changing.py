@@ -63,6 +63,33 @@ def test_the_ego_falls_in_behind_who_will_be_ahead_or_whom_it_cannot_leave_behin
     assert seek_gap(ego.seen(blocks, other), ego.plan, CAR).slot == ("x" if is_let_by else "b")
 
 
+def asking(away: float, *places: float, limits=CAR):
+    """Return whom an ego at 15 m/s asks to let it in, its front `away` m before the end of its road, b beside it and x, y, …
+    at these places behind its front (m)."""
+    ego = before("multi_lane_road", TO_THE_EXIT[1:], away, 15.0, lane=1)
+    there = zip("bxy", (1.0, *places), strict=False)
+    users = (ego.other(name, "road_before_exit_0", at - away, 15.0, TO_THE_EXIT[1:]) for name, at in there)
+    found = seek_gap(ego.seen(*users), ego.plan, limits)
+    assert found.stop is not None
+    return found.why
+
+
+BEHIND = [((-60.0, -90.0), "x"), ((-20.0, -60.0), "x"), ((-1.0, -60.0), "x"), ((), None)]
+
+
+@pytest.mark.parametrize(("places", "asked"), BEHIND)
+def test_the_next_one_is_asked_to_let_the_ego_in_where_a_gap_presses(places, asked):
+    why = asking(70.0, *places)
+    assert (why and (why.reason, why.region, why.cause, why.passes)) == (
+        asked and (Reason.LET_IN, "road_before_exit_0", asked, True)
+    )
+
+
+def test_nobody_is_asked_where_there_is_way_for_another_gap_nor_by_a_driver_that_asks_nobody():
+    proud = replace(CAR, parameters=replace(USUAL, asked_deceleration=0.0))
+    assert asking(200.0, -60.0) is asking(70.0, -60.0, limits=proud) is None
+
+
 def changing(left: float, speed: float = 15.0) -> Situation:
     """The ego that has just begun to change to the lane of the exit, its front bumper `left` m before the road's end."""
     ego = before("multi_lane_road", TO_THE_EXIT[1:], left, speed, lane=1)

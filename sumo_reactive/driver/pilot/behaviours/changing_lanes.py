@@ -16,6 +16,7 @@ from sumo_reactive.driver.nouns.plan import (
 )
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
+from sumo_reactive.driver.nouns.traffic import RoadUser
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M, gap_for_follower
@@ -25,6 +26,12 @@ from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
 
 MIN_LANE_CHANGE_LENGTH_M = 12.0
 """Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
+
+_LEAST_SHARE = 0.8
+"""Of the usual duration of a change, a smooth one takes no less than this."""
+
+_LEAST_RATE = 0.01
+"""m/s²; who gains on an ego that cannot gain speed, and is not asked, gains without end."""
 
 
 def pending_change(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
@@ -77,11 +84,14 @@ def seek_gap(snapshot: Snapshot, plan: NominalPlan, limits: VehicleLimits, waite
     change = pending_change(snapshot, plan)
     if change is None:
         return LaneChanging()
-    blocker = _blocker(snapshot, limits, _urgency(snapshot, change.start - snapshot.front))
+    left = change.start - snapshot.front
+    urgency = _urgency(snapshot, left)
+    blocker = _blocker(snapshot, limits, urgency)
     if not blocker:
         return LaneChanging(side=change.side if _has_room(snapshot, plan, change) else 0)
     stop = stop_at(change.start, Reason.NO_GAP, region=change.to_lane, cause=blocker)
-    return LaneChanging(stop=stop, slot=_slot(snapshot, plan, change.start - snapshot.front, limits))
+    slot, asked = _slot(snapshot, plan, left, limits, urgency)
+    return LaneChanging(stop=stop, slot=slot, why=_asking(asked, change.to_lane))
 
 
 def _urgency(snapshot: Snapshot, left: float) -> float:
@@ -103,11 +113,13 @@ def merge_early(
         return LaneChanging()
     speed = snapshot.ego.speed
     line = next((way.line for way in ways if way.passage.start > snapshot.front), math.inf)
-    if line - snapshot.front < max(MIN_LANE_CHANGE_LENGTH_M, LANE_CHANGE_DURATION_S * speed):
+    if line - snapshot.front < _least_length(speed):
         return LaneChanging()
     left = line - snapshot.front - speed * speed / (2.0 * limits.comfort_deceleration)
-    if _blocker(snapshot, limits, _urgency(snapshot, left)):
-        return LaneChanging(slot=_slot(snapshot, plan, left, limits))
+    urgency = _urgency(snapshot, left)
+    if _blocker(snapshot, limits, urgency):
+        slot, asked = _slot(snapshot, plan, left, limits, urgency)
+        return LaneChanging(slot=slot, why=_asking(asked, merge.to_lane))
     beside = min(snapshot.neighbours, key=lambda one: abs(one.ahead), default=None)
     cause = beside.user.id if beside else ""
     why = Decision(
@@ -169,27 +181,44 @@ def _before_off_tracking(
     return LaneChanging()
 
 
-def _slot(snapshot: Snapshot, plan: NominalPlan, left: float, limits: VehicleLimits) -> str:
-    """Return the vehicle on the other lane that the ego will follow: the nearest who is ahead of it once it drives as fast
-    as he, or of whom it cannot get clear on the `left` m with what its road allows.
+def _slot(snapshot: Snapshot, plan: NominalPlan, left: float, limits: VehicleLimits, urgency: float) -> tuple[str, str]:
+    """Return the vehicle on the other lane that the ego will follow, and, if a gap presses, the next one, who is asked to
+    let it in: it follows the nearest who leaves no gap behind it, once both drive equally fast, or of whom it cannot get
+    clear on the `left` m with what its road allows.
 
     One that stands is not waited for (empty): the ego drives on to the last place for its change.
     """
-    top, found = plan.road_speed(snapshot.s), []
+    top, found, others = plan.road_speed(snapshot.s), list[tuple[float, RoadUser]](), list[tuple[float, RoadUser]]()
+    asks = limits.parameters.asked_deceleration if urgency > 0.0 else 0.0
     for one in snapshot.neighbours:
         his = one.user.speed
-        ahead = one.ahead + _gained(his - snapshot.ego.speed, limits)
+        ahead = one.ahead + _gained(his, snapshot.ego.speed, left, asks, limits)
         passed = one._replace(ahead=ahead - max(top - his, 0.0) * max(left, 0.0) / max(his, CREEPING_SPEED))
-        if ahead >= 0.0 or not leaves_gap(passed, his, limits, 1.0):
-            found.append((ahead, one.user))
+        (others if ahead < 0.0 and leaves_gap(passed, his, limits, 1.0) else found).append((ahead, one.user))
     user = min(found, key=itemgetter(0), default=(0.0, None))[1]
-    return "" if user is None or user.speed < STANDING_SPEED else user.id
+    asked = max(others, key=itemgetter(0), default=(0.0, None))[1]
+    slot = "" if user is None or user.speed < STANDING_SPEED else user.id
+    return slot, "" if asked is None or asks == 0.0 else asked.id
 
 
-def _gained(faster: float, limits: VehicleLimits) -> float:
-    """Return the way (m) that somebody `faster` than the ego (m/s) gains on it until it drives as he does."""
-    rate = limits.acceleration_in_plan if faster > 0.0 else limits.comfort_deceleration
-    return faster * abs(faster) / (2.0 * rate)
+def _asking(user_id: str, lane_id: str) -> Decision | None:
+    """Return that somebody is asked to let the ego in on a lane (None: nobody is)."""
+    if not user_id:
+        return None
+    return Decision(
+        behaviour=Behaviour.CHANGING_LANES, reason=Reason.LET_IN, region=lane_id, cause=user_id, passes=True
+    )
+
+
+def _gained(his: float, own: float, left: float, asks: float, limits: VehicleLimits) -> float:
+    """Return the way (m) that somebody at speed `his` gains on the ego until it drives as he does: faster, he brakes as he
+    is asked (m/s²), and the ego gains what speed it can on the `left` m."""
+    faster = his - own
+    if faster <= 0.0:
+        return -faster * faster / (2.0 * limits.comfort_deceleration)
+    gains = limits.acceleration_in_plan
+    reached = math.sqrt(own * own + 2.0 * gains * max(left, 0.0))
+    return faster * faster / (2.0 * (gains * min((reached - own) / faster, 1.0) + asks + _LEAST_RATE))
 
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:
@@ -197,9 +226,13 @@ def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool
     here = next((g for g in plan.segments if g.start <= snapshot.front < g.end), None)
     if here is None or here.lane_id.startswith(":"):
         return False
-    needed = max(MIN_LANE_CHANGE_LENGTH_M, 0.8 * LANE_CHANGE_DURATION_S * snapshot.ego.speed)
     end = change.end if here.lane_id == change.from_lane else here.end
-    return end - snapshot.front > min(needed, change.end - change.start)
+    return end - snapshot.front > min(_least_length(snapshot.ego.speed), change.end - change.start)
+
+
+def _least_length(speed: float) -> float:
+    """Return how much of its lane (m) an ego at a speed (m/s) needs to leave it smoothly."""
+    return max(MIN_LANE_CHANGE_LENGTH_M, _LEAST_SHARE * LANE_CHANGE_DURATION_S * speed)
 
 
 def _blocker(snapshot: Snapshot, limits: VehicleLimits, urgency: float) -> str:
