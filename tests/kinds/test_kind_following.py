@@ -16,9 +16,11 @@ def test_a_leader_that_stops_and_goes_is_followed(tmp_path):
     assert run.complaints() == []
 
 
-def test_who_has_left_the_last_road_but_for_its_rear_is_still_followed(tmp_path):
-    leaves = car("x", "ab bc", 0, stop("bc_0", 2.5, duration=25))
-    run = driven(tmp_path, road(200, 200), leaves, car("ego", "ab", 2), car("behind", "ab bc", 5))
+@pytest.mark.parametrize(("onward", "lane", "at"), [((200,), "bc_0", 2.5), ((1, 200), "cd_0", 1.5)])
+def test_who_has_left_the_last_road_but_for_its_rear_is_still_followed(tmp_path, onward, lane, at):
+    way = "ab bc cd"[: 2 + 3 * len(onward)]
+    leaves = car("x", way, 0, stop(lane, at, duration=25))
+    run = driven(tmp_path, road(200, *onward), leaves, car("ego", "ab", 2), car("behind", way, 5))
     assert run.complaints() == []
 
 

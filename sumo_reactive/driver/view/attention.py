@@ -192,7 +192,8 @@ def _lanes_of(
 def _lanes_beyond(graph: RoadGraph, edge_id: str) -> tuple[str, ...]:
     """Return the lanes that lead on from an edge: who has left the last one of the way may still reach back over it."""
     ways = (way for lane in graph.edge_lanes.get(edge_id, ()) for way in graph.ways_from(lane.id) if not way.is_crossing)
-    return tuple(dict.fromkeys(lane for way in ways for lane in (*way.parts, way.to_lane) if lane in graph.lanes))
+    lanes = (lane for way in ways for lane in (*way.parts, way.to_lane, *graph.beyond.get(way.to_lane, ())))
+    return tuple(dict.fromkeys(lane for lane in lanes if lane in graph.lanes))
 
 
 _Meaning = tuple[int, Conflict, float, tuple[str, ...], float, float]
