@@ -183,6 +183,17 @@ def test_without_a_gap_the_ego_keeps_room_behind_the_one_ahead():
     assert leaving(STUCK, (), near=(blocker,)) == LaneChanging()  # nobody ahead to keep room behind
 
 
+@pytest.mark.parametrize("speed", [3.0, 6.0])
+def test_room_is_kept_from_where_who_still_rolls_up_to_the_queue_can_stop(speed):
+    blocker = Neighbour(EGO.other("beside", "from_south_0", 20.0, 6.0, ()), -4.0)
+    change = leaving(STUCK, (), near=(blocker,), users=(EGO.ahead("x", 14.0, speed),))
+    stops = 14.0 + speed * speed / (2.0 * CAR.comfort_deceleration)
+    nearest = 6.0**2 / (2.0 * CAR.comfort_deceleration)
+    place = max(stops - USUAL.halted_room_m, 0.0)
+    assert (change.stop is not None) is (place >= nearest)
+    assert change.stop is None or change.stop.s == pytest.approx(EGO.seen().front + place, abs=0.3)
+
+
 def test_an_ego_too_near_already_drives_up_to_where_it_can_stop_and_a_standing_one_stays():
     blocker = Neighbour(EGO.other("beside", "from_south_0", 20.0, 0.0, ()), -1.0)
     near = ahead_of(4.0)

@@ -210,18 +210,21 @@ def _is_free_to_choose(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemor
 
 
 def _leave(snapshot: Snapshot, queue: Queue, way: ParallelLane, cause: Queued, limits: VehicleLimits) -> LaneChanging:
-    """Begin the change to the lane of `queue` if there is a gap there and room to swing out, else keep that room."""
-    speed = snapshot.ego.speed
-    x = min((obstacle.start for obstacle in snapshot.on_path if obstacle.start > snapshot.front), default=math.inf)
-    needed = SWING_OUT_M + speed * speed / (2.0 * limits.comfort_deceleration)
+    """Begin the change to the lane of `queue` if there is a gap there and room to swing out, else keep that room from where
+    who is ahead can stop."""
+    speed, twice = snapshot.ego.speed, 2.0 * limits.comfort_deceleration
+    ahead = [obstacle for obstacle in snapshot.on_path if obstacle.start > snapshot.front]
+    x = min((one.start for one in ahead), default=math.inf)
+    needed = SWING_OUT_M + speed * speed / twice
     if x - snapshot.front >= needed and all(leaves_gap(one, speed, limits, 0.0) for one in queue.near):
         why = Decision(
             behaviour=Behaviour.CHANGING_QUEUES, reason=Reason.QUEUE_CHANGE, region=way.to_lane, cause=cause.user.id,
             passes=True,
         )  # fmt: skip
         return LaneChanging(way.side, why=why)
-    place = x - limits.parameters.halted_room_m
-    nearest = snapshot.front + speed * speed / (2.0 * limits.comfort_deceleration)
+    stops = min((one.start + max(one.along, 0.0) ** 2 / twice for one in ahead), default=math.inf)
+    place = stops - limits.parameters.halted_room_m
+    nearest = snapshot.front + speed * speed / twice
     if place < nearest and speed >= CREEPING_SPEED:
         return LaneChanging()
     place = max(place, nearest + (_CREEPING_ROOM_M if speed > STANDING_SPEED else 0.0))
