@@ -89,7 +89,7 @@ class Trip:
         controller = Controller(
             graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
         )
-        self._observer = EgoObserver(ego_id, sensor, ego.limits)
+        self._observer, self._sensor = EgoObserver(ego_id, sensor, ego.limits), sensor
         self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".besides")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of)
@@ -145,6 +145,7 @@ class Trip:
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
         self._show(None, None)
+        self._ask("")
         self._ego.release()
 
     def arrive(self) -> bool:
@@ -157,6 +158,7 @@ class Trip:
         if self.arrived:
             self.distance += max(left, 0.0)  # the way counts to the goal, as SUMO's does
             self._show(None, None)
+            self._ask("")
             self._bystanders.leave()
             self._ego.arrive()
         return self.arrived
@@ -201,8 +203,13 @@ class Trip:
         self._ego.let_go(step.completed.let_go)
         decisions = step.completed.decisions
         self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in decisions))
-        self._ego.ask(next((one.cause for one in decisions if one.reason is Reason.LET_IN), ""))
+        self._ask(next((one.cause for one in decisions if one.reason is Reason.ASKS), ""))
         self._show(*self._occupied(step, here))
+
+    def _ask(self, user: str) -> None:
+        """Ask somebody to let the ego in, and nobody else any more."""
+        self._ego.ask(user)
+        self._sensor.ask(self.id, user)
 
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
         """Return where to show the ego besides, at two places at most."""

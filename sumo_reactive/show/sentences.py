@@ -28,6 +28,7 @@ EVENTS: dict[EventKind, str] = {
     EventKind.GAP_CLOSED: "the gap at a region has closed",
     EventKind.ROOM_BEHIND: "the room behind the intersection is taken, or free again",
     EventKind.GAP_SOUGHT: "a gap on the lane beside is looked for anew",
+    EventKind.ASKED: "somebody asks to be let in, or no longer does",
     EventKind.PASS_TRIED: "whether somebody ahead can be passed is tried out anew",
     EventKind.NO_PROGRESS: "the ego does not get on, though nobody has the right to block it",
     EventKind.LOCKED: "no rule holds it",
@@ -134,10 +135,11 @@ REASONS: dict[Reason, Wording] = {
         "stays on its lane, which ends in a merge, since {cause} leaves no gap on lane {region}",
         "changes to lane {region}, since its own ends in a merge",
     ),
-    Reason.LET_IN: Wording(
+    Reason.ASKS: Wording(
         "stays on its lane, since {cause} does not let it in on lane {region}",
         "asks {cause} to let it in on lane {region}",
     ),
+    Reason.LETS_IN: Wording("keeps behind {cause}, which asks to be let in", "lets {cause} in, which has asked for it"),
     Reason.QUEUE_CHANGE: Wording(
         "keeps room to change to lane {region}, since {cause} holds up the queue ahead",
         "changes to lane {region}, since {cause} holds up the queue ahead",

@@ -330,13 +330,11 @@ class Ego:
     def arrive(self) -> None:
         """Take the ego off the road as arrived, so that SUMO's outputs hold its trip."""
         self.let_go(())
-        self.ask("")
         libsumo.vehicle.remove(self.id, _REMOVE_ARRIVED)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
         self.let_go(())
-        self.ask("")
         give_back(self.id)
 
     def _refuse_oncoming_side(self) -> None:

@@ -142,6 +142,7 @@ class Sensor:
         self._lane_of: dict[str, str] = {}
         self._letters: dict[str, str] = {}
         self._programs: dict[tuple[str, str], tuple[tuple[float, str], ...]] = {}
+        self._asked: dict[str, str] = {}
 
     def look(self) -> float:
         """Begin to look at the present step, unless another ego has; return simulation time, s."""
@@ -154,6 +155,17 @@ class Sensor:
             self._letters.clear()
             self.static.update()
         return now
+
+    def ask(self, asker: str, asked: str) -> None:
+        """Note whom an ego asks to let it in (empty: nobody any more): another ego sees it."""
+        if asked:
+            self._asked[asker] = asked
+        else:
+            self._asked.pop(asker, None)
+
+    def asker_of(self, ego_id: str) -> str:
+        """Return the first of the egos seen in this step that ask this one to let it in (empty: none does)."""
+        return next((asker for asker, asked in self._asked.items() if asked == ego_id and asker in self._lane_of), "")
 
     @cached_property
     def signals(self) -> Signals:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from kinds import Net, car, driven, edge, link, node, stream
+from kinds import Net, car, driven, edge, link, node, situation, stream
+
+from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.simulation import run_fleet
 
 
 @pytest.mark.parametrize("ahead", [12, 6, 0, -6])
@@ -57,6 +62,20 @@ def test_somebody_in_a_dense_fast_stream_lets_the_ego_in_from_a_slow_ramp(tmp_pa
     run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", depart), fast, until=150.0)
     assert run.complaints(slower=1.2) == []
     assert run.ego.duration < 40.0  # nobody need wait until all have passed
+
+
+@pytest.mark.parametrize("ends", ["", link("bd de", "00")])
+def test_egos_let_each_other_in(tmp_path, ends):
+    nodes = node("a", -300, 0) + node("b", 300, 0) + node("d", 450, 0) + node("e", 850, 0) + node("r", 150, -60)
+    edges = edge("ab", speed=28) + edge("rb", speed=13) + edge("bd", numLanes=2, speed=28) + edge("de", speed=28)
+    rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "10") + ends
+    fast = stream("f", "ab bd de", [2.5 * k for k in range(24)])
+    ramp = stream("r", "rb bd de", [10, 25, 40])
+    scenario = situation(tmp_path, Net(nodes, edges, rules), fast, ramp, until=200.0)
+    fleet = run_fleet(replace(scenario, ego=None), EgoRule(share=1.0))
+    assert len(fleet.results) == 27
+    assert {result.verdict for result in fleet.results} == {"arrived without a violation"}
+    assert max(result.duration_s for result in fleet.results if result.ego.startswith("r")) < 50.0
 
 
 @pytest.mark.parametrize("depart", [12.0, 13.0])

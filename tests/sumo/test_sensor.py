@@ -104,6 +104,21 @@ def test_what_one_ego_has_looked_at_in_a_step_is_not_read_again_but_in_the_next_
         assert looked(sensor, lane)["a"].x > first.x and len(asked) == 2
 
 
+def test_who_is_asked_by_another_ego_sees_the_first_that_asks_and_is_there(net, tmp_path):
+    graph = read_net(net).build(("wc", "ce"))
+    users = vehicle("a", "wc ce", type="t", departPos=40) + vehicle("b", "wc ce", type="t", departPos=20)
+    with running(net, tmp_path, TYPE + users):
+        simulated(2)
+        sensor = Sensor()
+        for asker, asked in (("gone", "ego"), ("b", "other"), ("a", "ego")):
+            sensor.ask(asker, asked)
+        assert sensor.asker_of("ego") == ""  # nobody has been looked at
+        looked(sensor, seen_lane(graph, "wc_1"))
+        assert (sensor.asker_of("ego"), sensor.asker_of("other"), sensor.asker_of("b")) == ("a", "b", "")
+        sensor.ask("a", "")
+        assert sensor.asker_of("ego") == ""
+
+
 def test_a_route_that_changes_under_way_is_noticed_after_a_while(net, tmp_path):
     graph = read_net(net).build(("wc", "ce"))
     with running(net, tmp_path, TYPE + vehicle("a", "wc ce", type="t", departPos=0, departSpeed=1, departLane="best")):

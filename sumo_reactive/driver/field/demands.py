@@ -165,13 +165,22 @@ def speed_rows(completed: CompletedPlan) -> Floats:
     return _rows(completed.speeds)
 
 
-def slot_rows(snapshot: Snapshot, completed: CompletedPlan) -> Floats:
-    """Return whom the ego falls in behind, (n, 2): the gap to his rear (m), his speed (m/s)."""
+def slot_rows(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimits) -> Floats:
+    """Return whom the ego falls in behind, (n, 2): the gap to his rear (m), his speed (m/s).
+
+    Behind whom it lets in, it falls back to its usual distance: he has to find the gap long enough.
+    """
     if not completed.slots:
         return _NO_SLOTS
+    found, more = [], limits.time_headway - limits.parameters.slot_headway_s
     beside = {neighbour.user.id: neighbour for neighbour in reversed(snapshot.neighbours)}
-    found = [beside[one.behind] for one in completed.slots if one.behind in beside]
-    return np.array([(one.ahead - one.user.body.length, one.user.speed) for one in found]).reshape(-1, 2)
+    for one in completed.slots:
+        if (other := beside.get(one.behind)) is not None:
+            found.append((other.ahead - other.user.body.length, other.user.speed))
+        elif (asker := snapshot.asker) is not None and asker.user.id == one.behind:
+            kept = limits.standstill_gap + more * asker.user.speed
+            found.append((asker.ahead - asker.user.body.length - kept, asker.user.speed))
+    return np.array(found).reshape(-1, 2)
 
 
 def _rows(constraints: Iterable[TimeConstraint]) -> Floats:

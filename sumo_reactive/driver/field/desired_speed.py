@@ -316,7 +316,7 @@ def desired_speed(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleL
     plan, curve = completed.plan, completed.plan.curve
     speed, is_pressing, hazard = wished(
         on_curve(snapshot), manner_in(manner_of(completed, limits)), period, hard_rows(snapshot, completed),
-        timed_rows(completed), speed_rows(completed), slot_rows(snapshot, completed), curve.heading, curve.curvature,
+        timed_rows(completed), speed_rows(completed), slot_rows(snapshot, completed, limits), curve.heading, curve.curvature,
         bends_of(plan), plan.speed_limits, plan.times, curve.step,
     )  # fmt: skip
     return Wish(speed, is_pressing, hazard_named(hazard, snapshot, completed))

@@ -114,7 +114,7 @@ def _of_lattice(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLim
     pose, speed, angle, acceleration = snapshot.ego
     numbers: tuple[Any, ...] = (
         snapshot.time, snapshot.s, snapshot.d, snapshot.front, *pose, speed, angle, acceleration, period,
-        *held_of(completed, limits), hard_rows(snapshot, completed), slot_rows(snapshot, completed),
+        *held_of(completed, limits), hard_rows(snapshot, completed), slot_rows(snapshot, completed, limits),
         snapshot.static, snapshot.boxes, *snapshot.room,
     )  # fmt: skip
     verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned = commanded(*numbers)

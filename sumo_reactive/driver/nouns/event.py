@@ -28,6 +28,7 @@ class EventKind(Enum):
     GAP_CLOSED = "a gap that it counted on at a region has closed"
     ROOM_BEHIND = "the room behind an intersection is taken, or free again"
     GAP_SOUGHT = "a gap on the lane beside is looked for anew"
+    ASKED = "another ego asks to be let in, or no longer does"
     PASS_TRIED = "whether somebody ahead can be passed is tried out anew"
     NO_PROGRESS = "no progress, though nobody has the right to block the ego"
     LOCKED = "no rule holds the ego that does not get on"

@@ -91,7 +91,7 @@ class Snapshot(NamedTuple):
     none. `lights`: letters by light id. `passages`: the plan's passages in sight, by index. `off_tracking`: the next place,
     on a road, where the body will cover the lane beside; `neighbours` are then those on that lane. `room`: how far the ego
     may lean to the left and right of C inside its lane, m. `parameters`: the driver's. `switches`: when lights will
-    switch, if the driver knows.
+    switch, if the driver knows. `asker`: who on a lane of the ego's road asks to be let in.
     """
 
     time: float
@@ -111,3 +111,4 @@ class Snapshot(NamedTuple):
     room: tuple[float, float] = (0.0, 0.0)
     parameters: Parameters = USUAL
     switches: Switches = NO_SWITCHES
+    asker: Neighbour | None = None

@@ -89,7 +89,8 @@ class Traffic:
     `sight` (m): how far ahead the oncoming lane was looked at. `static` (k, 2): points, m, of what stands near for good,
     roads' borders apart, which the map tells. `beside`: pedestrians who are about to step on a crossing, their position
     negative or beyond its length; they are not on the road yet. `switches`: what is known of the lights' future.
-    `as_packed`: the boxes of all `users`, where whoever has seen them has packed them.
+    `asker`: which other ego asks this one to let it in (empty: none does). `as_packed`: the boxes of all `users`, where
+    whoever has seen them has packed them.
     """
 
     time: float
@@ -99,6 +100,7 @@ class Traffic:
     static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)
     beside: tuple[RoadUser, ...] = ()
     switches: Switches = field(default_factory=lambda: NO_SWITCHES)
+    asker: str = ""
     as_packed: bytearray | None = field(default=None, compare=False, repr=False)
 
     @cached_property

@@ -104,11 +104,18 @@ def _others(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premis
             found.append(Event(EventKind.NEW_OBSTACLE, user_id))
         elif abs(speed - foreseen) > tolerance or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
+    if _asker(snapshot) != _asker(premises.view.snapshot):
+        found.append(Event(EventKind.ASKED, _asker(snapshot)))
     stop = held.stop
     if stop is not None and _is_gone(stop, speeds, premises):
         found.append(Event(EventKind.CAUSE_VANISHED, stop.cause))
     found += [event for event in overturned(snapshot, memory, premises) if event not in found]
     return found
+
+
+def _asker(snapshot: Snapshot) -> str:
+    """Return who asks to be let in (empty: nobody)."""
+    return "" if snapshot.asker is None else snapshot.asker.user.id
 
 
 def _is_gone(stop: TimeConstraint, speeds: Mapping[str, float], premises: Premises) -> bool:

@@ -200,7 +200,13 @@ def _ordered(situation: Situation, behaviour: Behaviour, rules: Rules) -> Orders
         instruction=RULES[behaviour].instruction(situation),
         stops=tuple(stop for stop, _ in rules.stops),
         request=_request(situation, behaviour),
-        decisions=(*(one for _, one in rules.stops), *rules.passes, *_behind(situation), *(() if why is None else (why,))),
+        decisions=(
+            *(one for _, one in rules.stops),
+            *rules.passes,
+            *_behind(situation),
+            *_lets_in(situation),
+            *(() if why is None else (why,)),
+        ),
         memory=situation.memory._replace(overtaking=None),
     )
 
@@ -224,6 +230,14 @@ def _behind(situation: Situation) -> tuple[Decision, ...]:
     if proof.aside is not None:
         return ()
     return (Decision(behaviour=Behaviour.OVERTAKING, reason=Reason.NO_ROOM_TO_PASS, region=proof.obstacle, cause=x.user.id),)
+
+
+def _lets_in(situation: Situation) -> tuple[Decision, ...]:
+    """Say whom the ego lets in."""
+    asker = situation.snapshot.asker
+    if asker is None:
+        return ()
+    return (Decision(behaviour=Behaviour.NORMAL, reason=Reason.LETS_IN, cause=asker.user.id, passes=True),)
 
 
 def _passing(situation: Situation, orders: Orders) -> Orders:
@@ -292,8 +306,11 @@ def _completed(
 
 
 def _limits_of(orders: Orders, changing: LaneChanging, snapshot: Snapshot) -> tuple[TimeConstraint, ...]:
-    """Return what limits the ego beside the schedule: where to stop, whom to fall in behind, how slow to fall back."""
+    """Return what limits the ego beside the schedule: where to stop, whom to fall in behind or let in, how slow to fall
+    back."""
     found = list(orders.stops)
+    if snapshot.asker is not None:
+        found.append(TimeConstraint(snapshot.front, reason=Reason.LETS_IN, behind=snapshot.asker.user.id))
     if changing.slot:
         found.append(TimeConstraint(snapshot.front, reason=Reason.NO_GAP, behind=changing.slot))
     if orders.top_speed < math.inf:

@@ -85,11 +85,11 @@ def perceive(
     if narrows:
         near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
-    lights = traffic.lights
+    lights, asker = traffic.lights, _asker(traffic, plan, graph, front) if traffic.asker else None
     room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
     return Snapshot(
         traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking, room,
-        limits.parameters, traffic.switches,
+        limits.parameters, traffic.switches, asker,
     )  # fmt: skip
 
 
@@ -199,6 +199,15 @@ def _ways_inside(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[tupl
             if part != connection.to_lane:
                 found[part] = (*found.get(part, ()), (passage, at, scale, length - at))
     return found
+
+
+def _asker(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, front: float) -> Neighbour | None:
+    """Return who asks to be let in, if he is on a lane of the road that the front bumper, at `front` m of C, is on."""
+    user = next((one for one in traffic.users if one.id == traffic.asker), None)
+    here = next((one for one in plan.segments if one.start <= front < one.end), None)
+    if user is None or here is None or graph.lanes[user.lane_id].edge_id != graph.lanes[here.lane_id].edge_id:
+        return None
+    return Neighbour(user, user.lane_position - (here.lane_offset + front - here.start))
 
 
 def _neighbours(users: tuple[RoadUser, ...], axis: Mapping[str, float], own: float) -> Iterator[Neighbour]:

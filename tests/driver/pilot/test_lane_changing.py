@@ -81,7 +81,7 @@ BEHIND = [((-60.0, -90.0), "x"), ((-20.0, -60.0), "x"), ((-1.0, -60.0), "x"), ((
 def test_the_next_one_is_asked_to_let_the_ego_in_where_a_gap_presses(places, asked):
     why = asking(70.0, *places)
     assert (why and (why.reason, why.region, why.cause, why.passes)) == (
-        asked and (Reason.LET_IN, "road_before_exit_0", asked, True)
+        asked and (Reason.ASKS, "road_before_exit_0", asked, True)
     )
 
 

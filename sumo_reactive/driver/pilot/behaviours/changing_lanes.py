@@ -206,7 +206,7 @@ def _asking(user_id: str, lane_id: str) -> Decision | None:
     if not user_id:
         return None
     return Decision(
-        behaviour=Behaviour.CHANGING_LANES, reason=Reason.LET_IN, region=lane_id, cause=user_id, passes=True
+        behaviour=Behaviour.CHANGING_LANES, reason=Reason.ASKS, region=lane_id, cause=user_id, passes=True
     )
 
 
