@@ -63,12 +63,15 @@ def test_the_ego_falls_in_behind_who_will_be_ahead_or_whom_it_cannot_leave_behin
     assert seek_gap(ego.seen(blocks, other), ego.plan, CAR).slot == ("x" if is_let_by else "b")
 
 
-def asking(away: float, *places: float, limits=CAR):
+def asking(away: float, *places: float, limits=CAR, x_speed: float = 15.0):
     """Return whom an ego at 15 m/s asks to let it in, its front `away` m before the end of its road, b beside it and x, y, …
     at these places behind its front (m)."""
     ego = before("multi_lane_road", TO_THE_EXIT[1:], away, 15.0, lane=1)
     there = zip("bxy", (1.0, *places), strict=False)
-    users = (ego.other(name, "road_before_exit_0", at - away, 15.0, TO_THE_EXIT[1:]) for name, at in there)
+    speeds = {"x": x_speed}
+    users = (
+        ego.other(name, "road_before_exit_0", at - away, speeds.get(name, 15.0), TO_THE_EXIT[1:]) for name, at in there
+    )
     found = seek_gap(ego.seen(*users), ego.plan, limits)
     assert found.stop is not None
     return found.why
@@ -83,6 +86,11 @@ def test_the_next_one_is_asked_to_let_the_ego_in_where_a_gap_presses(places, ask
     assert (why and (why.reason, why.region, why.cause, why.passes)) == (
         asked and (Reason.ASKS, "road_before_exit_0", asked, True)
     )
+
+
+def test_who_stands_too_near_does_not_back_up_and_the_next_one_is_asked():
+    assert asking(70.0, -5.0, -60.0, x_speed=0.0).cause == "y"
+    assert asking(70.0, -5.0, -60.0, x_speed=5.0).cause == "x"
 
 
 def test_nobody_is_asked_where_there_is_way_for_another_gap_nor_by_a_driver_that_asks_nobody():

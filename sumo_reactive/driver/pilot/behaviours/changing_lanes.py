@@ -194,11 +194,26 @@ def _slot(snapshot: Snapshot, plan: NominalPlan, left: float, limits: VehicleLim
         his = one.user.speed
         ahead = one.ahead + _gained(his, snapshot.ego.speed, left, asks, limits)
         passed = one._replace(ahead=ahead - max(top - his, 0.0) * max(left, 0.0) / max(his, CREEPING_SPEED))
-        (others if ahead < 0.0 and leaves_gap(passed, his, limits, 1.0) else found).append((ahead, one.user))
+        if ahead >= 0.0 or not leaves_gap(passed, his, limits, 1.0):
+            found.append((ahead, one.user))
+        elif asks > 0.0 and _can_let_in(one, ahead, snapshot.ego.speed, left, top, limits):
+            others.append((ahead, one.user))
     user = min(found, key=itemgetter(0), default=(0.0, None))[1]
     asked = max(others, key=itemgetter(0), default=(0.0, None))[1]
     slot = "" if user is None or user.speed < STANDING_SPEED else user.id
-    return slot, "" if asked is None or asks == 0.0 else asked.id
+    return slot, "" if asked is None else asked.id
+
+
+def _can_let_in(
+    one: Neighbour, ahead: float, own: float, left: float, top: float, limits: VehicleLimits
+) -> bool:
+    """Whether somebody who falls back to `ahead` m (negative) of the ego leaves it a gap there, or one that drives on the
+    `left` m at `top` speed; one that stands does not back up."""
+    his = one.user.speed
+    if his < CREEPING_SPEED and not leaves_gap(one, own, limits, 1.0):
+        return False
+    way = max(left, 0.0) * max(1.0 - his / max(top, CREEPING_SPEED), 0.0) if own >= CREEPING_SPEED else 0.0
+    return leaves_gap(one._replace(ahead=ahead - way), his, limits, 1.0)
 
 
 def _asking(user_id: str, lane_id: str) -> Decision | None:
