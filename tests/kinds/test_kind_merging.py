@@ -51,27 +51,29 @@ def test_a_ramp_lane_that_ends_in_a_merge_is_left_as_soon_as_there_is_a_gap(tmp_
     assert run.complaints(slower=1.2) == []
 
 
+def slow_ramp(length: float, speed: float, ends: str = "") -> Net:
+    """Return a fast road "ab bd de" that a ramp "rb" joins, driven at `speed` (m/s), its own lane `length` m long."""
+    end = 300 + length
+    nodes = node("a", -300, 0) + node("b", 300, 0) + node("d", end, 0) + node("e", end + 400, 0) + node("r", 150, -60)
+    edges = edge("ab", speed=28) + edge("rb", speed=speed) + edge("bd", numLanes=2, speed=28) + edge("de", speed=28)
+    return Net(nodes, edges, link("ab bd", "01") + link("rb bd", "00") + link("bd de", "10") + ends)
+
+
 @pytest.mark.parametrize("depart", [12.0, 12.7, 13.4])
 @pytest.mark.parametrize("headway", [2.0, 2.5, 3.0])
 @pytest.mark.parametrize("ends", ["", link("bd de", "00")])
 def test_somebody_in_a_dense_fast_stream_lets_the_ego_in_from_a_slow_ramp(tmp_path, ends, headway, depart):
-    nodes = node("a", -300, 0) + node("b", 300, 0) + node("d", 450, 0) + node("e", 850, 0) + node("r", 150, -60)
-    edges = edge("ab", speed=28) + edge("rb", speed=13) + edge("bd", numLanes=2, speed=28) + edge("de", speed=28)
-    rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "10") + ends
     fast = stream("f", "ab bd de", [headway * i for i in range(30)])
-    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", depart), fast, until=150.0)
+    run = driven(tmp_path, slow_ramp(150, 13, ends), car("ego", "rb bd de", depart), fast, until=150.0)
     assert run.complaints(slower=1.2) == []
     assert run.ego.duration < 40.0  # nobody need wait until all have passed
 
 
 @pytest.mark.parametrize("ends", ["", link("bd de", "00")])
 def test_egos_let_each_other_in(tmp_path, ends):
-    nodes = node("a", -300, 0) + node("b", 300, 0) + node("d", 450, 0) + node("e", 850, 0) + node("r", 150, -60)
-    edges = edge("ab", speed=28) + edge("rb", speed=13) + edge("bd", numLanes=2, speed=28) + edge("de", speed=28)
-    rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "10") + ends
     fast = stream("f", "ab bd de", [2.5 * k for k in range(24)])
     ramp = stream("r", "rb bd de", [10, 25, 40])
-    scenario = situation(tmp_path, Net(nodes, edges, rules), fast, ramp, until=200.0)
+    scenario = situation(tmp_path, slow_ramp(150, 13, ends), fast, ramp, until=200.0)
     fleet = run_fleet(replace(scenario, ego=None), EgoRule(share=1.0))
     assert len(fleet.results) == 27
     assert {result.verdict for result in fleet.results} == {"arrived without a violation"}
@@ -80,11 +82,8 @@ def test_egos_let_each_other_in(tmp_path, ends):
 
 @pytest.mark.parametrize("depart", [12.0, 13.0])
 def test_a_body_that_hardly_reaches_over_the_lane_beside_stops_nobody_there(tmp_path, depart):
-    nodes = node("a", -300, 0) + node("b", 300, 0) + node("d", 390, 0) + node("e", 790, 0) + node("r", 150, -60)
-    edges = edge("ab", speed=28) + edge("rb", speed=8) + edge("bd", numLanes=2, speed=28) + edge("de", speed=28)
-    rules = link("ab bd", "01") + link("rb bd", "00") + link("bd de", "10")
     fast = stream("f", "ab bd de", [1.7 * i for i in range(30)])
-    run = driven(tmp_path, Net(nodes, edges, rules), car("ego", "rb bd de", depart), fast, until=150.0)
+    run = driven(tmp_path, slow_ramp(90, 8), car("ego", "rb bd de", depart), fast, until=150.0)
     assert run.complaints() == []
 
 

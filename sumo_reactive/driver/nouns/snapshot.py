@@ -66,8 +66,8 @@ class Foe(NamedTuple):
 
 
 class Neighbour(NamedTuple):
-    """A vehicle on the lane that the next lane change leads to, or that the body will cut into; `ahead` is its front minus
-    the ego's front (m)."""
+    """A vehicle on the lane that the next lane change leads to, or that the body will cut into, or one that asks to be let
+    in; `ahead` is its front minus the ego's front (m)."""
 
     user: RoadUser
     ahead: float
