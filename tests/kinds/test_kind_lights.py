@@ -138,3 +138,29 @@ def test_a_second_line_close_behind_that_turns_yellow_too_leads_nobody_over_red_
     light = program("l", (green, "GGGG"), (3, "yyyy"), (15, "rrrr"), (60, "GGGG"))
     run = driven(tmp_path, net, car("ego", "ab bc cd"), until=90, extra=light)
     assert run.complaints() == []
+
+
+def left_lanes(wait: float) -> Net:
+    """Return a crossing with lanes to the left, three from the west, whose waiting places are `wait` m behind the lines."""
+    turns = {"n": "wse", "e": "nws", "s": "enw", "w": "sen"}
+    nodes = "".join(node(a, x * CENTRE, y * CENTRE) for a, (x, y) in ARMS.items())
+    nodes += node("c", 0, 0, type="traffic_light", radius=1.5)
+    edges = "".join(edge(f"{a}c", numLanes=3 if a == "w" else 2) + edge(f"c{a}") for a in ARMS)
+    links = "".join(
+        link(f"{a}c c{right}", "00")
+        + link(f"{a}c c{on}", "10" if a == "w" else "00")
+        + link(f"{a}c c{left}", "20" if a == "w" else "10", contPos=wait)
+        for a, (right, on, left) in turns.items()
+    )
+    return Net(nodes, edges, links, options=("--no-turnarounds",))
+
+
+@pytest.mark.parametrize(("way", "opposite"), [("nc ce", "sc cw"), ("sc cw", "nc ce")])
+def test_who_turns_left_keeps_clear_of_the_opposite_left_turn_rather_than_of_a_place_where_others_may_wait(
+    tmp_path, way, opposite
+):
+    """Both have green at once, and no rule makes one of them wait: whoever reached over the other's way would stand."""
+    light = program("c", (60, SIDE), (3, SIDE_YELLOW), (30, MAIN), (3, MAIN_YELLOW))
+    others = stream("left", opposite, [2.5 * i for i in range(25)], departLane=1)
+    run = driven(tmp_path, left_lanes(5.0), car("ego", way, 2, departLane=1), others, extra=light, until=120)
+    assert run.complaints(slower=1.1) == []

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
+import shapely
 from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from sumo_reactive.driver.caching import kept
@@ -29,6 +30,7 @@ from sumo_reactive.driver.world.junction import (
 )
 from sumo_reactive.driver.world.lane import road_of
 from sumo_reactive.driver.world.lateral_conflict import LateralConflict, beside, lateral_conflicts
+from sumo_reactive.driver.world.regions import SWEPT_WIDTH_M
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 MAX_CENTRING_M = 0.6
@@ -82,10 +84,12 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
     """Return `line` (n, 2), sampled every CURVE_STEP_M, moved away from the bodies that may wait inside junctions or at
     their lines, or be too near beside the ego's there, from a neighbour lane of its road.
 
-    `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M.
+    `half_widths` (n,) are the lanes', m. It is moved only as far as the body stays within its lane but for BEYOND_M, and out
+    of the ways of those who drive through the junction at the same time.
     """
     shift, (xs, ys) = np.zeros(len(line)), Polyline(line).columns
     room = np.maximum(half_widths + BEYOND_M - 0.5 * limits.width, 0.0)
+    to_left, to_right = room.copy(), room.copy()
     margin = limits.parameters.corridor_margin_m + COMFORT_DEVIATION_M  # smoothing takes the latter back
     needed = 0.5 * limits.width + margin
     for connection, start, end in reference.passages:
@@ -98,11 +102,16 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
         reach = min(last + int(HOLD_BACK_REACH_M / CURVE_STEP_M), len(line))  # one may still be inside, the other out of it
         ways = lateral_conflicts(reference.graph, connection.id)
         _clear_of_ways(shift[first:reach], line[first:reach], ways, needed + 0.5 * WAITING_WIDTH_M)
+        for way in _driven_at_once(connection, junction) if shift[first:reach].any() else ():
+            _held_off(to_left[first:last], to_right[first:last], line[first:last], way, needed + 0.5 * SWEPT_WIDTH_M)
     if not shift.any():
         return line
     reach = _eased_over(limits)
     kept = reach + 2 * int(KEPT_M / CURVE_STEP_M)
-    left, right = (maximum_filter1d(np.clip(side, 0.0, room), kept) for side in (shift, -shift))
+    left, right = (
+        np.minimum(maximum_filter1d(np.clip(side, 0.0, most), kept), minimum_filter1d(most, 2 * reach + 1))
+        for side, most in ((shift, to_left), (-shift, to_right))
+    )
     eased = _eased_in(left - right, reach)
     return line if np.abs(eased).max() < LEAST_M else moved_aside(line, eased)
 
@@ -128,6 +137,28 @@ def _waiting(connection: Connection, junction: Junction, graph: RoadGraph) -> It
     for lane_id in dict.fromkeys(c.from_lane for c in others):
         approach = graph.lanes[lane_id].spine
         yield _outline(approach, approach.length)
+
+
+def _driven_at_once(connection: Connection, junction: Junction) -> Iterator[Polyline]:
+    """Yield the ways of those from other roads whom the map calls free beside the ego: nobody there waits for the other."""
+    for other in junction.connections:
+        if other.is_crossing or road_of(other.from_lane) == road_of(connection.from_lane):
+            continue
+        if not junction.right_of_way.in_conflict(connection.index, other.index):
+            yield other.path
+
+
+def _held_off(to_left: Floats, to_right: Floats, line: Points, way: Polyline, needed: float) -> None:
+    """Set how far (n,), m, `line` (n, 2) may be moved to either side so that `needed` m are left to a way beside it, or as
+    many as there are."""
+    places = shapely.points(line)
+    other = shapely.linestrings(way.points)
+    nearest = shapely.line_interpolate_point(other, shapely.line_locate_point(other, places))
+    to_way, ahead = shapely.get_coordinates(nearest) - line, np.gradient(line, axis=0)
+    is_left = ahead[:, 0] * to_way[:, 1] > ahead[:, 1] * to_way[:, 0]
+    left_over = np.maximum(np.hypot(*to_way.T) - needed, 0.0)
+    for side, is_there in ((to_left, is_left), (to_right, ~is_left)):
+        np.minimum(side, left_over, out=side, where=is_there)
 
 
 @kept(4)
