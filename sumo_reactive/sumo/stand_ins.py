@@ -194,16 +194,17 @@ def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> Occup
 
 
 def ahead_of_mapping(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
-    """Return where to show an ego that turns round in several moves, on the lane that it turns into; None: SUMO maps it to
-    that lane. `edges`: its route from there on.
+    """Return where to show an ego that turns round in several moves, on the lane that it turns into; None: SUMO has it
+    there, its front ahead of its rear. `edges`: its route from there on.
 
     Before its front comes there, who is on his way through the junction to that lane is let pass: he would brake hard, and
     might come to a stand where the ego has to go.
     """
-    own, into = by.graph.lanes[turn.from_lane].spine, by.graph.lanes[turn.to_lane]
-    if abs(own.project(*by.front)[1]) > abs(into.spine.project(*by.front)[1]):
+    into = by.graph.lanes[turn.to_lane]
+    front, rear = (into.spine.project(*place)[0] for place in (by.front, by.behind_front(by.limits.length)))
+    if by.mapped == into.id and rear < front:
         return None
-    rear = min(into.spine.project(*place)[0] for place in (by.front, by.behind_front(by.limits.length)))
+    rear = min(front, rear)
     is_there = into.reaches(*by.front, by.limits.width)
     ways = [part for way in by.graph.ways_into(into.id) for part in (way.from_lane, *way.parts) if not is_there]
     return OccupiedLane(into, *into.spine.at(rear + by.limits.length), 0.0, edges, waits=True, ways=tuple(ways))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import libsumo
 import pytest
 from kinds import Net, Run, car, cross, driven, edge, link, node, situation, stream
 
@@ -17,6 +18,12 @@ def tee() -> Net:
     nodes = node("a", 0, 0) + node("b", 120, 0) + node("n", 120, 100) + node("s", 120, -100)
     roads = "".join(edge(ends, priority=5) for ends in ("nb", "bs", "sb", "bn")) + edge("ab") + edge("ba")
     return Net(nodes, roads, options=())
+
+
+def corner() -> Net:
+    """Return two roads that meet at right angles, c, where one may turn round."""
+    nodes = node("c", 0, 0) + node("e", 150, 0) + node("n", 0, 150)
+    return Net(nodes, "".join(map(edge, ("ec", "ce", "cn", "nc"))), options=("--no-turnarounds.geometry", "false"))
 
 
 def small() -> Net:
@@ -65,6 +72,17 @@ def test_in_the_moves_of_a_turn_the_ego_does_not_fall_back_to_the_branch_of_c_th
     turning = [s for behaviour, s in places if behaviour == Behaviour.TURNING_ROUND.value]
     assert len(turning) > 100
     assert turning == sorted(turning)
+
+
+def test_from_the_first_move_on_somebody_is_seen_on_the_lane_turned_into(tmp_path):
+    """SUMO has the ego in the junction for as long as it points across, its front on that lane: who is inserted there then
+    would drive into it."""
+    seen = []
+    place = situation(tmp_path, corner(), car("ego", "ec ce"))
+    run_trial(place, observer=lambda _: seen.append(bool(libsumo.lane.getLastStepVehicleIDs("ce_0"))))
+    first = seen.index(True)
+    assert sum(seen[first:]) > 150
+    assert all(seen[first:-1])
 
 
 @pytest.mark.parametrize("apart", [2.5, 3.2, 4.0])

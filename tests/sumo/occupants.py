@@ -30,9 +30,9 @@ def behind(graph, plan, turn, ego, limits, edges):
     return stand_ins.left_behind(Occupant(graph, plan, None, ego, limits), turn, edges)
 
 
-def ahead(graph, turn, ego, limits, edges):
+def ahead(graph, turn, ego, limits, edges, mapped=""):
     """On the lane that it turns into."""
-    return stand_ins.ahead_of_mapping(Occupant(graph, None, None, ego, limits), turn, edges)
+    return stand_ins.ahead_of_mapping(Occupant(graph, None, None, ego, limits, mapped), turn, edges)
 
 
 def elsewhere(graph, plan, mapped, s, ego, limits, edges):

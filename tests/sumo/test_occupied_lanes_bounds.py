@@ -254,15 +254,16 @@ def test_whether_an_ego_has_turned_is_told_from_its_lanes_direction(heading, is_
 
 
 @pytest.mark.parametrize(
-    ("y", "heading", "front"),
-    [(-0.1, 0.5 * math.pi, 200.0 - 4.7), (0.1, 0.5 * math.pi, None), (-0.5, 0.25 * math.pi, None), (-3.3, -2.5, None)],
+    ("mapped", "heading", "is_shown"),
+    [("ab_1", 0.49, True), ("", 0.51, True), ("ba_0", 0.49, True), ("ba_0", 0.51, False), ("ab_1", 0.51, True),
+     ("ba_0", -0.8, False)],
 )
-def test_ahead_of_mapping_the_stand_in_has_its_rear_where_the_body_is_farthest_back(road, y, heading, front):
-    """On ba_0, to the west: what is farthest back is farthest to the east."""
-    seen = ahead(road, TURN, ego_at(200.0, y, heading), CAR, ("ba",))
-    if y > 0.0:
-        assert seen is None
-        return
-    east = max(200.0, 200.0 - 4.7 * math.cos(heading)) if front is None else front + 4.7
+@pytest.mark.parametrize("y", [-0.1, 0.1, 1.6])
+def test_ahead_of_mapping_the_stand_in_has_its_rear_where_the_body_is_farthest_back(road, y, mapped, heading, is_shown):
+    """On ba_0, to the west: what is farthest back is farthest to the east. It stays until SUMO has the car there, and along
+    that lane: neither that its front is nearer to it tells so, nor that the car points along it."""
+    direction = heading * math.pi
+    seen = ahead(road, TURN, ego_at(200.0, y, direction), CAR, ("ba",), mapped)
+    east = max(200.0, 200.0 - 4.7 * math.cos(direction))
     place = pytest.approx(east - 4.7), pytest.approx(1.6)
-    assert seen == OccupiedLane(road.lanes["ba_0"], *place, 0.0, ("ba",), waits=True)
+    assert seen == (OccupiedLane(road.lanes["ba_0"], *place, 0.0, ("ba",), waits=True) if is_shown else None)
