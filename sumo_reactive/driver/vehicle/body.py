@@ -32,7 +32,10 @@ def clear_behind(boxes: Floats, pose: Pose, limits: VehicleLimits) -> float:
     c, s, clear = math.cos(pose.heading), math.sin(pose.heading), math.inf
     for x, y, heading, _, length, width, *_ in boxes.tolist():
         mx, my, *_ = box_of(x, y, heading, length, width)
-        behind = (pose.x - mx) * c + (pose.y - my) * s - limits.rear_overhang - 0.5 * length
-        if behind > -limits.length and abs((my - pose.y) * c - (mx - pose.x) * s) < 0.5 * (limits.width + width) + _ASIDE_M:
+        along, across = abs(math.cos(heading - pose.heading)), abs(math.sin(heading - pose.heading))
+        reach, aside = 0.5 * (length * along + width * across), 0.5 * (length * across + width * along)
+        behind = (pose.x - mx) * c + (pose.y - my) * s - limits.rear_overhang - reach
+        is_aside = abs((my - pose.y) * c - (mx - pose.x) * s) >= 0.5 * limits.width + aside + _ASIDE_M
+        if behind > -limits.length and not is_aside:
             clear = min(clear, behind)
     return clear

@@ -51,6 +51,17 @@ def test_the_room_behind_the_ego_ends_at_the_next_body(gap):
     assert boxes_overlap(*own_box(backed, CAR), *box_of(*row[0, :3], *row[0, 4:6]))
 
 
+@pytest.mark.parametrize("turned", [-2.0, -1.57, -0.8, 0.5, 1.57, 2.5])
+@pytest.mark.parametrize("aside", [-2.4, -1.5, 0.0, 1.5, 2.4])
+def test_who_stands_askew_behind_the_ego_is_not_backed_into(turned, aside):
+    row = behind(2.5, aside)
+    row[0, 2] += turned
+    body = box_of(*row[0, :3], *row[0, 4:6])
+    clear = clear_behind(row, EGO, CAR)
+    for gap in np.arange(0.0, min(clear, 10.0), 0.1):
+        assert not boxes_overlap(*own_box(Pose(*EGO.ahead(-gap), EGO.heading), CAR), *body)
+
+
 def test_who_is_beside_the_lane_or_ahead_leaves_the_room_behind_the_ego_free():
     assert clear_behind(behind(2.0, aside=3.0), EGO, CAR) == math.inf
     assert clear_behind(behind(-3.0 * CAR.length), EGO, CAR) == math.inf
