@@ -32,7 +32,7 @@ from sumo_reactive.sumo.lying_over import lane_lain_over
 from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observed_vehicle import Bystanders
 from sumo_reactive.sumo.observer import EgoObserver
-from sumo_reactive.sumo.routes import RouteWindow, quickest_way, unmapped_lanes
+from sumo_reactive.sumo.routes import RouteWindow, crossed_before, quickest_way, unmapped_lanes
 from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
 from sumo_reactive.sumo.stand_ins import (
@@ -92,7 +92,7 @@ class Trip:
         self._observer, self._sensor = EgoObserver(ego_id, sensor, ego.limits), sensor
         self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".besides")
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
-        self._window = RouteWindow(ego_id, ego.route.edges, net.end_of)
+        self._window = RouteWindow(ego_id, ego.route.edges, net.end_of, crossed_before(graph, ego.route.edges))
         state = ego.take_over(session.step_length)
         lane_id = self._mapped = ego.lane(state)
         self._stop_lines = StopLines(sensor.signals)
@@ -237,7 +237,8 @@ class Trip:
             self._ego.reroute(after.route)
             self._routes += 1
             self._unmapped = unmapped_lanes(after.graph, edges)
-            self._window = RouteWindow(self.id, edges, self._net.end_of, number=self._routes)
+            crossed = crossed_before(after.graph, edges)
+            self._window = RouteWindow(self.id, edges, self._net.end_of, crossed, self._routes)
         self._driving = after
 
     def _light_crossed(self, step: Step) -> str:

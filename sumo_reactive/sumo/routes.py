@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
 import libsumo
+import shapely
 
 from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.sumo.net_file import edge_id_of
 
 
 def unmapped_lanes(graph: RoadGraph, edges: Sequence[str]) -> frozenset[str]:
@@ -55,15 +57,37 @@ def _through(vehicle_id: str, places: Sequence[str]) -> tuple[tuple[str, ...], f
     return tuple(way), time
 
 
-class RouteWindow:
-    """Keeps SUMO's route of the ego free of edges and junctions that occur twice: SUMO maps a moved vehicle to any pass of a
-    place, so it gets to know only the present one. `number`: which route of the ego's this is, for SUMO keeps the names of
-    all."""
+def crossed_before(graph: RoadGraph, edges: Sequence[str]) -> tuple[int, ...]:
+    """Return, for each of the consecutive `edges`, the index of the last one before that it crosses, on a bridge or below
+    it, the ways to the next edge included; −1: it crosses none."""
+    lines = []
+    for edge, behind in zip(edges, (*edges[1:], ""), strict=True):
+        lanes = graph.edge_lanes.get(edge, ())
+        ways = [way for lane in lanes for way in graph.ways_from(lane.id) if edge_id_of(way.to_lane) == behind]
+        driven = [*(lane.spine.points for lane in lanes), *(way.path.points for way in ways)]
+        lines.append(shapely.multilinestrings([shapely.linestrings(one) for one in driven]))
+    crossed = [-1] * len(lines)
+    for last, first in shapely.STRtree(lines).query(lines, predicate="intersects").T.tolist():
+        if first < last - 1:
+            crossed[last] = max(crossed[last], first)
+    return tuple(crossed)
 
-    def __init__(self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str], number: int = 1) -> None:
-        self._ego_id, self._edges, self._number = ego_id, edges, number
+
+class RouteWindow:
+    """Keeps SUMO's route of the ego free of places that it passes twice: SUMO maps a moved vehicle to any pass of a place, so
+    it gets to know only the present one.
+
+    A place is an edge, a junction, or where an edge crosses an earlier one (`crossed`, as `crossed_before` returns it).
+    `number`: which route of the ego's this is, for SUMO keeps the names of all.
+    """
+
+    def __init__(
+        self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str], crossed: Sequence[int], number: int = 1
+    ) -> None:
+        self._ego_id, self._edges, self._number, self._crossed = ego_id, edges, number, crossed
         self._ends = tuple(end_of(edge) for edge in edges)
-        self._needed = len(set(edges)) < len(edges) or len(set(self._ends)) < len(self._ends)
+        occurs_twice = len(set(edges)) < len(edges) or len(set(self._ends)) < len(self._ends)
+        self._needed = occurs_twice or any(index >= 0 for index in crossed)
         self._index = -1
         self._added: set[str] = set()
 
@@ -87,5 +111,7 @@ class RouteWindow:
             self._index = index
 
     def _returns(self, first: int, last: int) -> bool:
-        """Whether edge `last` or its end has been passed since edge `first`."""
-        return self._edges[last] in self._edges[first:last] or self._ends[last] in self._ends[first:last]
+        """Whether edge `last`, its end or a place on it has been passed since edge `first`."""
+        earlier = slice(first, last)
+        is_twice = self._edges[last] in self._edges[earlier] or self._ends[last] in self._ends[earlier]
+        return is_twice or self._crossed[last] >= first

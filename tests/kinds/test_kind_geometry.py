@@ -108,6 +108,18 @@ def test_a_bridge_is_no_crossing(tmp_path, level):
     assert run.complaints(slower=1.05) == []
 
 
+@pytest.mark.parametrize(("aside", "kink"), [(3, -30), (3, 0), (5, 0)])
+def test_where_the_route_crosses_itself_on_a_bridge_sumo_has_the_ego_on_the_road_that_it_is_on(tmp_path, aside, kink):
+    """Beside the middle of its lane, where two roads join below the bridge, its front is nearer to the middle of a lane above."""
+    places = {"a": (-150, 0), "m": (0, 0), "b": (100, kink), "c": (100, 80), "d": (aside, 80), "e": (aside, -120)}
+    ways = edge("am", spreadType="center") + "".join(map(edge, ("mb", "bc", "cd"))) + edge("de", numLanes=2)
+    net = Net("".join(node(name, *place) for name, place in places.items()), ways)
+    run = driven(tmp_path, net, car("ego", "am mb bc cd de"))
+    lanes = [moment.lane for moment in run.ego.moments]
+    assert run.complaints() == []
+    assert not any(lane.startswith("de") for lane in lanes[: lanes.index("bc_0")])
+
+
 def test_a_route_that_leads_round_the_block_twice_is_driven(tmp_path):
     net = Net(SQUARE + node("z", -60, 0), "".join(edge(e) for e in ("ab", "bc", "cd", "da", "za", "az")))
     block = "ab bc cd da"
