@@ -69,7 +69,8 @@ class WatchedTrip:
         own = view.own
         self._follow(own.route)
         record = StepRecord(self.end, own.x, own.y, own.heading, own.speed, own.lane_id)
-        return Scene(record, tuple(map(self._placed, view.others)), view.crossed, (), self.id, self._world)
+        others, apart = tuple(map(self._placed, view.others)), self._vehicle.junctions.are_apart
+        return Scene(record, others, view.crossed, (), self.id, self._world, apart=apart)
 
     def arrive(self) -> bool:
         """Leave the arrival to SUMO."""

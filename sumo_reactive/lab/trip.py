@@ -139,7 +139,7 @@ class Trip:
         shadows = partial(cast_shadows, step.snapshot, step.completed, self.limits, seen) if has_field else None
         return Scene(
             record, traffic.users, crossed, beside, self.id, world, plan, traffic.lights, field, ground, shadows,
-            boxes=traffic.boxes,
+            boxes=traffic.boxes, apart=self._bystanders.junctions.are_apart,
         )  # fmt: skip
 
     def release(self) -> None:

@@ -45,6 +45,25 @@ class VehicleScene(NamedTuple):
     crossed: str
 
 
+class Junctions:
+    """Which junctions the lanes of the running simulation join."""
+
+    def __init__(self) -> None:
+        self._ends: dict[str, frozenset[str]] = {}
+
+    def are_apart(self, one: str, other: str) -> bool:
+        """Whether two lanes, by id, have no junction in common; not known of one that is none (empty)."""
+        here, there = self._ends_of(one), self._ends_of(other)
+        return bool(here and there) and not here & there
+
+    def _ends_of(self, lane_id: str) -> frozenset[str]:
+        """Return the junctions that a lane joins, one for a lane inside a junction, none where there is no lane."""
+        edge = edge_id_of(lane_id) if lane_id else ""
+        if edge and edge not in self._ends:
+            self._ends[edge] = frozenset((libsumo.edge.getFromJunction(edge), libsumo.edge.getToJunction(edge)))
+        return self._ends.get(edge, frozenset())
+
+
 class ObservedVehicle:
     """Sees a running vehicle, and all vehicles, and pedestrians on crossings, within `reach` m of it; the simulation goes on
     unchanged."""
@@ -59,6 +78,7 @@ class ObservedVehicle:
         self._stop_lines = StopLines(read_signals())
         self._routes: dict[str, tuple[str, str, tuple[str, ...]]] = {}
         self._bodies: dict[str, Body] = {}
+        self.junctions = Junctions()
         _subscribe(vehicle_id, reach, _SEEN)
 
     def look(self) -> VehicleScene | None:
@@ -113,7 +133,7 @@ class Bystanders:
 
     def __init__(self, vehicle_id: str) -> None:
         self._vehicle_id = vehicle_id
-        self._junctions: dict[str, frozenset[str]] = {}
+        self.junctions = Junctions()
         _subscribe(vehicle_id, TOUCHING_M, _PLACES)
 
     def look(self, known: Container[str] = ()) -> tuple[RoadUser, ...]:
@@ -123,21 +143,12 @@ class Bystanders:
         strangers = [name for name in seen if name not in known and name != self._vehicle_id and not is_stand_in(name)]
         if own is None or not strangers:
             return ()
-        level, here = own[tc.VAR_POSITION3D][2], self._ends_of(own[tc.VAR_LANE_ID])
-        return tuple(_read(name, seen[name]) for name in strangers if self._is_beside(seen[name], level, here))
+        return tuple(_read(name, seen[name]) for name in strangers if self._is_beside(seen[name], own))
 
-    def _is_beside(self, seen: Mapping[int, Any], level: float, here: frozenset[str]) -> bool:
-        """Whether somebody is on the vehicle's level (m), on a road that joins one of the junctions `here`."""
-        there = self._ends_of(seen[tc.VAR_LANE_ID])
-        return abs(seen[tc.VAR_POSITION3D][2] - level) < SAME_LEVEL_M and not (here and there and not here & there)
-
-    def _ends_of(self, lane_id: str) -> frozenset[str]:
-        """Return the junctions that a lane joins, one for a lane inside a junction, none where there is no lane."""
-        edge = edge_id_of(lane_id) if lane_id else ""
-        if edge and edge not in self._junctions:
-            ends = libsumo.edge.getFromJunction(edge), libsumo.edge.getToJunction(edge)
-            self._junctions[edge] = frozenset(ends)
-        return self._junctions.get(edge, frozenset())
+    def _is_beside(self, seen: Mapping[int, Any], own: Mapping[int, Any]) -> bool:
+        """Whether somebody is on the vehicle's level, on a road that joins one of its road's junctions."""
+        is_level = abs(seen[tc.VAR_POSITION3D][2] - own[tc.VAR_POSITION3D][2]) < SAME_LEVEL_M
+        return is_level and not self.junctions.are_apart(own[tc.VAR_LANE_ID], seen[tc.VAR_LANE_ID])
 
     def leave(self) -> None:
         """Look no more, before the vehicle is taken off the road from outside."""

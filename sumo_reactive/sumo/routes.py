@@ -74,8 +74,8 @@ def crossed_before(graph: RoadGraph, edges: Sequence[str]) -> tuple[int, ...]:
 
 
 class RouteWindow:
-    """Keeps SUMO's route of the ego free of places that it passes twice: SUMO maps a moved vehicle to any pass of a place, so
-    it gets to know only the present one.
+    """Keeps SUMO's route of the ego free of places that it passes twice: SUMO maps a moved vehicle to any pass of a place,
+    so it gets to know only the present one.
 
     A place is an edge, a junction, or where an edge crosses an earlier one (`crossed`, as `crossed_before` returns it).
     `number`: which route of the ego's this is, for SUMO keeps the names of all.

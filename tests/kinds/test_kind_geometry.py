@@ -108,9 +108,20 @@ def test_a_bridge_is_no_crossing(tmp_path, level):
     assert run.complaints(slower=1.05) == []
 
 
+@pytest.mark.parametrize("first", [8, 9, 10])
+def test_on_a_bridge_without_a_height_nobody_is_braked_for_though_his_road_joins_farther_on(tmp_path, first):
+    places = {"w": (-250, 0), "m": (0, 0), "e": (40, 0), "f": (120, 0), "n": (-20, 80)}
+    ramp = edge("ne", shape="-20,80 -20,-40 0,-60 30,-60 38,-40 40,0", priority=1)
+    main = "".join(edge(ends, priority=9) for ends in ("wm", "me", "ef"))
+    net = Net("".join(node(name, *place) for name, place in places.items()), main + ramp)
+    run = driven(tmp_path, net, car("ego", "wm me ef"), stream("x", "ne ef", [first, first + 1, first + 2]))
+    assert run.ego.slowest("wm") > 13.5
+    assert run.ego.duration < 1.02 * run.own.duration
+
+
 @pytest.mark.parametrize(("aside", "kink"), [(3, -30), (3, 0), (5, 0)])
 def test_where_the_route_crosses_itself_on_a_bridge_sumo_has_the_ego_on_the_road_that_it_is_on(tmp_path, aside, kink):
-    """Beside the middle of its lane, where two roads join below the bridge, its front is nearer to the middle of a lane above."""
+    """Where two roads join below the bridge, beside the middle of its lane, its front is nearer to that of a lane above."""
     places = {"a": (-150, 0), "m": (0, 0), "b": (100, kink), "c": (100, 80), "d": (aside, 80), "e": (aside, -120)}
     ways = edge("am", spreadType="center") + "".join(map(edge, ("mb", "bc", "cd"))) + edge("de", numLanes=2)
     net = Net("".join(node(name, *place) for name, place in places.items()), ways)

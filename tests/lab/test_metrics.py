@@ -51,6 +51,18 @@ def test_whom_the_ego_touches_is_a_collision_whether_its_driver_looks_at_him_or_
     assert jury.figures()["min_time_to_collision_s"] is None
 
 
+@pytest.mark.parametrize(
+    ("heading", "lane", "touches"), [(1.5, "under_0", False), (1.5, "joined_0", True), (0.4, "under_0", True)]
+)
+def test_who_crosses_on_a_bridge_is_not_touched(jury, heading, lane, touches):
+    """On a lane that no junction joins, across the ego's way; along it he is on the same road, over short edges."""
+    other = user("other", x=-1.0, heading=heading)._replace(lane_id=lane)
+    seen = ((other,), ()), ((), (other,))
+    for k, (users, beside) in enumerate(seen):
+        jury.see(Scene(record(0.1 * k), users, beside=beside, apart=lambda _, lane_id: lane_id == "under_0"))
+    assert bool(jury.faults) is touches
+
+
 def test_a_graze_thinner_than_the_shrink_is_no_collision(jury):
     drive(jury, lambda t: record(t, x=10.0 * t, speed=10.0), lambda t: [user(x=15.0, y=1.71)], 40)
     assert not jury.faults

@@ -130,7 +130,8 @@ class Scene(NamedTuple):
     (None: its driver has none). `lights`: the letters that the driver sees, by light. `field` works out U over the commands
     among which this step's was chosen, `ground` over the places around, `shadows` what casts U₂ (None: its driver has none),
     `around` everybody near, also who is no matter of the driver's (None: they are not told); it is asked before the next
-    step or not at all. `boxes` (n, 6): those of `users`, if they are packed already.
+    step or not at all. `boxes` (n, 6): those of `users`, if they are packed already. `apart` tells of two lanes, by id,
+    whether no junction joins them (None: nobody knows).
     """
 
     step: StepRecord
@@ -146,3 +147,4 @@ class Scene(NamedTuple):
     shadows: Callable[[], tuple[CastShadow, ...]] | None = None
     around: Callable[[], tuple[Bystander, ...]] | None = None
     boxes: NDArray[np.float64] | None = None
+    apart: Callable[[str, str], bool] | None = None

@@ -29,6 +29,7 @@ from sumo_reactive.driver.view.corridor import TURN_FORESEEN_S, band_of, blockin
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
 from sumo_reactive.driver.view.lane_room import lane_room
 from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
+from sumo_reactive.driver.view.levels import on_its_level
 from sumo_reactive.driver.view.static import static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
@@ -106,13 +107,13 @@ def _related(
 
     Who cannot be touched within the foreseen time has no turn rate, and no end of his way.
     """
-    users = traffic.users
+    users, boxes = on_its_level(traffic, plan, graph)
     if not users:
         return _NO_ONE_NEAR, ()
     curve, (x, y, heading), speed = plan.curve, ego.pose, ego.speed
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     near, touchable, blocking, stretches = related(
-        traffic.boxes, x, y, heading, speed, limits.length,
+        boxes, x, y, heading, speed, limits.length,
         curve.x, curve.y, curve.heading, curve.step, front, reach, *band_of(curve, limits),
     )  # fmt: skip
     for row, k in touchable.tolist() if len(touchable) else ():

@@ -121,7 +121,8 @@ class UsersTrip:
             self.end, own.x, own.y, own.heading, own.speed, own.lane_id, self._state.acceleration, angle,
             control_us=self._control_us, reason=str(getattr(self._driver, "reason", "")),
         )  # fmt: skip
-        return Scene(record, seen.others, seen.crossed, (), self.id, self._graph)
+        apart = self._vehicle.junctions.are_apart
+        return Scene(record, seen.others, seen.crossed, (), self.id, self._graph, apart=apart)
 
     def arrive(self) -> bool:
         """Take the ego off the road if it has reached its goal where it was put; SUMO has those arrive that it moves."""

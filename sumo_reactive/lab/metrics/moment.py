@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import compress
 from typing import NamedTuple
 
@@ -105,6 +105,9 @@ Figures = dict[str, float | int | None]
 JUDGED_REACH_M = 80.0
 """Users farther away (front to front) are not judged."""
 
+CROSSING_SINE = 0.5
+"""Roads at a smaller angle lie over each other rather than cross."""
+
 ONCOMING = math.radians(135.0)
 """rad; who turns away from the ego by more comes towards it, and is not counted: on bends straight lines cross."""
 
@@ -195,6 +198,8 @@ class Watch:
         others, boxes = _near(tuple(user for user in scene.beside if user.id not in known), step.x, step.y)
         if others:
             touching |= self._contacts(step, others, boxes)[0]
+        if touching and scene.apart is not None:
+            touching -= _on_bridges((*near, *others), step, scene.apart)
         changes = zip(near, nearby.accelerations.tolist(), strict=True)
         slowing = {user.id: change for user, change in changes if change < 0.0}
         return Moment(*nearby, self._length, self._width, touching, times, slowing, scene.crossed, scene.world)
@@ -207,6 +212,14 @@ class Watch:
         if not any(touches):
             return _NOBODY, times
         return frozenset(user.id for user, touch in zip(users, touches, strict=True) if touch), times
+
+
+def _on_bridges(
+    users: Sequence[RoadUser], step: StepRecord, apart: Callable[[str, str], bool]
+) -> frozenset[str]:
+    """Return who passes the ego on a bridge, or below one: across its way, on a lane that no junction joins to its own."""
+    across = (one for one in users if abs(math.sin(one.heading - step.heading)) > CROSSING_SINE)
+    return frozenset(one.id for one in across if apart(step.lane_id, one.lane_id))
 
 
 def is_oncoming(boxes: Floats, heading: float) -> NDArray[np.bool_]:
