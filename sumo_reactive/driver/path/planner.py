@@ -103,9 +103,8 @@ def _turns(
         latest = began - limits.parameters.stop_line_margin_m - limits.front_overhang
         if turn is not None and turn.before >= latest + LATE_M:
             latest = round(latest - start.speed**2 / (2.0 * limits.service_deceleration), 1)
-            along = graph.lanes[graph.connections[ways[0]].from_lane].spine
-            askew = abs(wrapped(start.pose.heading - along.heading_at(along.length)))
-            turn = turn_in_moves(graph, ways, limits, around, latest) if askew < ASKEW_RAD else None
+            is_along = _askew(graph.lanes[graph.connections[ways[0]].from_lane], start, limits) < ASKEW_RAD
+            turn = turn_in_moves(graph, ways, limits, around, latest) if is_along else None
         if turn is None:
             continue
         own = _piece_at(reference, min(began - turn.before, began - CURVE_STEP_M))
@@ -117,6 +116,12 @@ def _turns(
                 to_lane=to_lane, route_index=index, moves=turn.moves, duration=turn.duration, into=turn.into,
             ))  # fmt: skip
     return found
+
+
+def _askew(lane: Lane, start: PlanStart, limits: VehicleLimits) -> float:
+    """Return by how much the car is turned from a lane under its middle, or from its end if it is not on it, rad."""
+    at = start.lane_position - 0.5 * limits.length if start.lane_id == lane.id else lane.spine.length
+    return abs(wrapped(start.pose.heading - lane.spine.heading_at(at)))
 
 
 def _piece_at(reference: Reference, u: float) -> Piece:

@@ -62,6 +62,19 @@ def test_a_car_turns_round_on_a_narrow_road_and_its_bumpers_hardly_leave_it(leng
     assert 100.0 - (poses[-1][0] + limits.front_to_rear_axle * math.cos(heading)) == pytest.approx(turn.into, abs=0.3)
 
 
+@pytest.mark.parametrize("width", [2.0, 1.75, 1.6])
+def test_where_the_road_is_hardly_wider_than_the_car_its_rear_may_leave_it_but_not_its_front(width):
+    roads = [road("a", [(0, 0), (100, 0)]), road("b", [(100, width), (0, width)])]
+    narrow = [tuple(replace(lane, width=width) for lane in lanes) for lanes in roads]
+    limits = sized(5.0)
+    turn = turn_in_moves(graph(narrow, [("a_0", "b_0")], {"a_0": [(101.2, 0.5 * width)]}), WAY, limits)
+    assert 3 <= len(turn.moves) <= 9
+    fronts = [y + limits.front_to_rear_axle * math.sin(heading) for _, y, heading in driven(turn, limits)]
+    beyond = 0.5 * (width + limits.width)
+    assert -beyond < min(fronts)
+    assert max(fronts) < width + beyond
+
+
 def test_where_one_sweep_stays_on_the_road_it_takes_no_moves():
     assert turn_in_moves(dead_end(), WAY, sized(2.2, 0.8)) is None
     assert turn_in_moves(dead_end(11.0), WAY, CAR) is None
@@ -98,6 +111,13 @@ def test_a_car_past_the_beginning_of_the_moves_begins_where_it_can_stop_unless_i
     assert turn.start == pytest.approx(CAR.front_overhang + 1.5**2 / 9.0 + CAR.parameters.stop_line_margin_m, abs=0.15)
     askew = replace(start, pose=start.pose._replace(heading=0.3))
     assert plan(world, Route(("a", "b"), None, None, ()), CAR, askew).turnarounds == ()
+
+
+def test_who_follows_a_lane_that_bends_ahead_of_him_does_not_stand_askew():
+    roads = [road("a", [(0, 0), (99, 0), (100, 0.2)]), road("b", [(100, WIDTH), (0, WIDTH)])]
+    world = graph(roads, [("a_0", "b_0")], {"a_0": [(101.2, 0.9), (101.2, 2.6)]})
+    start = start_on(world.lanes["a_0"], 98.8, speed=1.5)
+    assert len(plan(world, Route(("a", "b"), None, None, ()), CAR, start).turnarounds) == 1
 
 
 def test_a_car_inside_the_turn_is_planned_without_its_moves():
