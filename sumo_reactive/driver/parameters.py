@@ -311,7 +311,7 @@ class Parameters:
     """An ego that has waited so long at the end of its lane, while traffic keeps passing, looks for another way…"""
 
     queue_patience_s: float = 90.0
-    """…and one that waits beside a queue, or farther back, after this long: a light's cycle."""
+    """…and one that waits beside a queue, or farther back, after this long: a light's cycle; to turn round, twice that."""
 
     detour_patience_s: float = 90.0
     """An ego that missed a turn waits on for as long as the other way takes longer, but no longer than this, a light's

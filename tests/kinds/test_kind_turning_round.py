@@ -74,6 +74,14 @@ def test_in_the_moves_of_a_turn_the_ego_does_not_fall_back_to_the_branch_of_c_th
     assert turning == sorted(turning)
 
 
+def test_who_finds_no_gap_for_all_the_moves_of_a_turn_takes_another_way(tmp_path):
+    others = stream("x", "sb ba", [6 * k for k in range(66)])
+    run = driven(tmp_path, tee(), car("ego", "ab ba"), others, until=500)
+    assert run.complaints() == []
+    assert any(moment.lane == "nb_0" for moment in run.ego.moments)
+    assert run.ego.duration < 300.0
+
+
 def test_from_the_first_move_on_somebody_is_seen_on_the_lane_turned_into(tmp_path):
     """SUMO has the ego in the junction for as long as it points across, its front on that lane: who is inserted there then
     would drive into it."""

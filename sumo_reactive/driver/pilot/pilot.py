@@ -189,7 +189,7 @@ def _turning(orders: Orders, turning: Turning, snapshot: Snapshot) -> Orders:
         stops=(),
         request=turning.request,
         decisions=(*(decision for decision in orders.decisions if decision.passes), turning.decision),
-        memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=since),
+        memory=orders.memory._replace(move=turning.memory.move, escapes=0, progress_time=since, waiting_since=None),
     )
 
 

@@ -40,7 +40,7 @@ TRANSITIONS: dict[Behaviour, tuple[Behaviour, ...]] = {
         *_URGENT, Behaviour.TAKING_ANOTHER_WAY, Behaviour.STOPPING, Behaviour.CROSSING, Behaviour.OVERTAKING,
     ),
     Behaviour.CHANGING_QUEUES: (*_URGENT, Behaviour.CROSSING, Behaviour.OVERTAKING, Behaviour.CHANGING_LANES),
-    Behaviour.TURNING_ROUND: (),
+    Behaviour.TURNING_ROUND: (Behaviour.TAKING_ANOTHER_WAY,),
     Behaviour.BACKING_UP: (Behaviour.OVERTAKING,),
     Behaviour.GIVING_WAY: (),
     Behaviour.TAKING_ANOTHER_WAY: (Behaviour.CROSSING,),

@@ -1,10 +1,10 @@
-"""A missed turn: the ego waits for a gap to change lanes, and nobody lets it onto the lane that the turn is made from."""
+"""A missed turn: nobody lets the ego onto the lane that the turn is made from, or lets it turn round."""
 
 from __future__ import annotations
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
-from sumo_reactive.driver.nouns.plan import NominalPlan
+from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
@@ -15,19 +15,33 @@ from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 AT_LANE_END_M = 5.0
 """At the end of its lane is who is not farther than a car's length from the last place to change."""
 
+LIGHTS_WAITED = 2
+"""Cycles of a light for which the ego waits to turn round: the first one may have begun with red."""
+
 
 def waiting_since(
     snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, stop: TimeConstraint | None, memory: PilotMemory
 ) -> float | None:
-    """Return since when (s) the ego waits for a gap to change lanes; None: it does not. Who creeps still waits.
+    """Return since when (s) the ego waits for a gap to change lanes, or to turn round in several moves; None: it does not.
+    Who creeps still waits.
 
     `stop` is the nearest place to stop at. While the light `ahead` holds back those on the other lane as well, the ego loses
-    nothing by waiting: it waits from the end of that on.
+    nothing by waiting: it waits from the end of that on. To turn round it waits from light to light.
     """
-    if stop is None or stop.reason is not Reason.NO_GAP or snapshot.ego.speed > CREEPING_SPEED:
+    if stop is None or snapshot.ego.speed > CREEPING_SPEED:
+        return None
+    if _waits_to_turn_round(snapshot, plan, memory):
+        return snapshot.time if memory.waiting_since is None else memory.waiting_since
+    if stop.reason is not Reason.NO_GAP:
         return None
     is_new = memory.waiting_since is None or _is_red(snapshot, plan, ahead)
     return snapshot.time if is_new else memory.waiting_since
+
+
+def _waits_to_turn_round(snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory) -> bool:
+    """Whether the ego is where the next turn in several moves begins, and has not begun it."""
+    turn = next((one for one in plan.turnarounds if snapshot.front < one.end), None)
+    return memory.move is None and turn is not None and turn.start - snapshot.front < TURNAROUND_REACHED_M
 
 
 def _is_red(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> bool:
@@ -50,8 +64,12 @@ def is_missed(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemo
 
 
 def turn_is_missed(situation: Situation) -> bool:
-    """Nobody lets the ego onto the lane that its turn is made from."""
-    return is_missed(situation.snapshot, situation.changing.stop, situation.memory)
+    """Nobody lets the ego onto the lane that its turn is made from, or no gap is long enough for it to turn round."""
+    snapshot, memory = situation.snapshot, situation.memory
+    if _waits_to_turn_round(snapshot, situation.plan, memory):
+        since = snapshot.time if memory.waiting_since is None else memory.waiting_since
+        return snapshot.time - since > LIGHTS_WAITED * snapshot.parameters.queue_patience_s
+    return is_missed(snapshot, situation.changing.stop, memory)
 
 
 def turn_is_open(situation: Situation) -> bool:
