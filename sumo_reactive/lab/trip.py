@@ -40,6 +40,7 @@ from sumo_reactive.sumo.stand_ins import (
     OccupiedLane,
     StandIns,
     ahead_of_mapping,
+    lanes_under,
     left_behind,
     mapped_elsewhere,
     mapped_next,
@@ -224,7 +225,8 @@ class Trip:
         place = mapped_elsewhere(by, drive.s, edges)
         place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
         besides = lane_lain_over(by, drive.s, edges, place.lane.id if place else "") or rear_beside(by, drive.s, edges)
-        return place, besides or rear_unseen(by, edges[here.route_index :])
+        besides = besides or rear_unseen(by, edges[here.route_index :])
+        return (place, besides) if self._mapped or place or besides else lanes_under(by)
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

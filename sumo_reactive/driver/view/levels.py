@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -15,18 +14,11 @@ from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-CROSSING_SINE = 0.5
+ACROSS_SINE = 0.5
 """Lanes at a smaller angle lie over each other rather than cross, whatever they are."""
 
 COMING_M, GONE_M = 60.0, 10.0
 """Who is this near before the crossing, or with his rear this near behind it, might be taken for one who meets the ego."""
-
-
-class _Lanes(NamedTuple):
-    """The lanes of a world and the tree of their spines."""
-
-    lanes: tuple[Lane, ...]
-    tree: shapely.STRtree
 
 
 def on_its_level(traffic: Traffic, plan: NominalPlan, graph: RoadGraph) -> tuple[Sequence[RoadUser], Floats]:
@@ -48,16 +40,13 @@ def _passes_on_another(user: RoadUser, places: Sequence[float]) -> bool:
 @kept(PLANS_KEPT)
 def _crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, ...]]:
     """Return where lanes cross C on another level, by lane id, m of their spines."""
-    curve, (lanes, tree) = plan.curve, _lanes(graph)
-    way = shapely.linestrings(np.column_stack((curve.x, curve.y)))
+    way = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
     found: dict[str, tuple[float, ...]] = {}
-    for k in tree.query(way, predicate="intersects").tolist():
-        lane = lanes[k]
-        met = shapely.intersection(way, tree.geometries[k])
-        places = shapely.get_coordinates(met)
-        at = [one for x, y in places.tolist() if (one := _level_crossing(plan, graph, lane, x, y)) is not None]
-        if at:
-            found[lane.id] = tuple(at)
+    for lane in graph.lanes_near(way):
+        met = shapely.get_coordinates(shapely.intersection(way, shapely.linestrings(lane.spine.points)))
+        places = tuple(at for x, y in met.tolist() if (at := _level_crossing(plan, graph, lane, x, y)) is not None)
+        if places:
+            found[lane.id] = places
     return found
 
 
@@ -68,7 +57,7 @@ def _level_crossing(plan: NominalPlan, graph: RoadGraph, lane: Lane, x: float, y
     here = next((one for one in plan.segments if one.start <= k * curve.step < one.end), plan.segments[-1])
     own = graph.lanes[here.lane_id]
     is_joined = own.edge_id == lane.edge_id or _junctions(graph, own) & _junctions(graph, lane)
-    is_across = abs(np.sin(lane.spine.heading_at(at) - curve.heading[k])) > CROSSING_SINE
+    is_across = abs(np.sin(lane.spine.heading_at(at) - curve.heading[k])) > ACROSS_SINE
     return at if is_across and not is_joined else None
 
 
@@ -80,9 +69,3 @@ def _junctions_of(graph: RoadGraph, lane_id: str) -> frozenset[str]:
 def _junctions(graph: RoadGraph, lane: Lane) -> frozenset[str]:
     """Return the junctions of the route that a lane joins."""
     return frozenset((graph.connection_of[lane.id].junction_id,)) if lane.is_internal else _junctions_of(graph, lane.id)
-
-
-@kept(1)
-def _lanes(graph: RoadGraph) -> _Lanes:
-    lanes = tuple(lane for lane in graph.lanes.values() if not lane.is_internal)
-    return _Lanes(lanes, shapely.STRtree([shapely.linestrings(lane.spine.points) for lane in lanes]))

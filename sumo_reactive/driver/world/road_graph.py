@@ -9,6 +9,8 @@ from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
+import shapely
+
 from sumo_reactive.driver.world.approaches import Approach
 from sumo_reactive.driver.world.junction import Connection, Junction
 from sumo_reactive.driver.world.lane import Lane
@@ -113,6 +115,17 @@ class RoadGraph:
     def _behind(self, region_id: str) -> Iterator[str]:
         for post in self.successors(region_id, ArcLabel.CLEARS):
             yield from self.successors(post, ArcLabel.LEADS_TO)
+
+    @cached_property
+    def _spines(self) -> tuple[tuple[Lane, ...], shapely.STRtree]:
+        """The normal lanes, and the tree of their spines."""
+        lanes = tuple(lane for lane in self.lanes.values() if not lane.is_internal)
+        return lanes, shapely.STRtree([shapely.linestrings(lane.spine.points) for lane in lanes])
+
+    def lanes_near(self, place: shapely.Geometry, reach: float = 0.0) -> list[Lane]:
+        """Return the normal lanes whose spines come within `reach` m of a place."""
+        lanes, tree = self._spines
+        return [lanes[k] for k in sorted(tree.query(place, predicate="dwithin", distance=reach).tolist())]
 
     def neighbours(self, lane_id: str) -> tuple[Lane | None, Lane | None]:
         """Return the lanes directly left and right of a lane on its edge, as the driver sees them."""
