@@ -226,7 +226,9 @@ class Trip:
         place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
         besides = lane_lain_over(by, drive.s, edges, place.lane.id if place else "") or rear_beside(by, drive.s, edges)
         besides = besides or rear_unseen(by, edges[here.route_index :])
-        return (place, besides) if self._mapped or place or besides else lanes_under(by)
+        is_off = not self._mapped and drive.plan.aside is None
+        under = lanes_under(by) if is_off else (None, None)
+        return under if any(under) else (place, besides)
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

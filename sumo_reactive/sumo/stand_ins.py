@@ -187,7 +187,7 @@ def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:
 
 def lanes_under(by: Occupant) -> tuple[OccupiedLane | None, OccupiedLane | None]:
     """Return where to show an ego that SUMO has on no lane: on the two that its body covers most of, as much of them as it
-    covers; None: on no more."""
+    covers, with its speed along them; None: on no more."""
     pose, limits = by.ego.pose, by.limits
     reach, half = limits.rear_overhang, 0.5 * limits.width
     along, aside = (grid.ravel() for grid in np.mgrid[-reach : limits.front_to_rear_axle : 0.5, -half : half + 0.1 : half])
@@ -197,8 +197,10 @@ def lanes_under(by: Occupant) -> tuple[OccupiedLane | None, OccupiedLane | None]
     for lane in by.graph.lanes_near(shapely.multipoints(places), half):
         at = lane.spine.arc_lengths_at(places)[np.abs(lane.spine.offsets(places)) < 0.5 * lane.width]
         if len(at) and (length := float(np.ptp(at))) > OCCUPIED_LANE_M:
-            front, own = lane.spine.at(float(at.max())), (lane.edge_id,)
-            found.append((-len(at), OccupiedLane(lane, *front, 0.0, own, waits=True, length=length / lane.scale)))
+            front, edges = float(at.max()), (lane.edge_id,)
+            speed = max(by.ego.speed * math.cos(lane.spine.heading_at(front) - pose.heading), 0.0)
+            place = OccupiedLane(lane, *lane.spine.at(front), speed, edges, waits=True, length=length / lane.scale)
+            found.append((-len(at), place))
     first, second = (*(one for _, one in sorted(found, key=itemgetter(0))), None, None)[:2]
     return first, second
 

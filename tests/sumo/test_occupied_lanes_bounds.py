@@ -286,3 +286,4 @@ def test_an_ego_that_sumo_has_on_no_lane_is_shown_on_those_that_its_body_covers(
         lane: pytest.approx(place, abs=0.5) for lane, place in shown.items()
     }
     assert all(one.waits and one.edges == (one.lane.edge_id,) for one in seen)
+    assert [one.speed for one in seen] == pytest.approx([5.0 * abs(math.cos(heading))] * len(seen), abs=1e-9)
