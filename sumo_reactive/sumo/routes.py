@@ -40,9 +40,13 @@ def quickest_way(vehicle_id: str, firsts: Iterable[str], goals: Sequence[str]) -
 
 
 def _through(vehicle_id: str, places: Sequence[str]) -> tuple[tuple[str, ...], float] | None:
-    """Return edges and travel time (s) from place to place; None where a leg has no way."""
+    """Return edges and travel time (s) from place to place; None where a leg has no way.
+
+    Asked for the type that a vehicle has for itself alone, SUMO forgets that type with its answer, and the vehicle that has
+    it brings SUMO down later: it is asked for the type from which that was made.
+    """
     way, time = list(places[:1]), 0.0
-    now, kind = libsumo.simulation.getTime(), libsumo.vehicle.getTypeID(vehicle_id)
+    now, kind = libsumo.simulation.getTime(), libsumo.vehicle.getTypeID(vehicle_id).removesuffix(f"@{vehicle_id}")
     for start, goal in pairwise(places):
         if start == goal:
             continue

@@ -31,7 +31,7 @@ def asked(monkeypatch):
         edges, time = LEGS[start, goal]
         return SimpleNamespace(edges=edges, travelTime=time)
 
-    script(monkeypatch, simulation=Domain(getTime=12.0, findRoute=find), vehicle=Domain(getTypeID={"ego": "car"}))
+    script(monkeypatch, simulation=Domain(getTime=12.0, findRoute=find), vehicle=Domain(getTypeID={"ego": "car", "own": "car@own"}))
     return kinds
 
 
@@ -62,4 +62,9 @@ def test_the_way_is_the_quickest_that_begins_with_one_of_the_edges_and_leads_by_
 
 def test_ways_are_asked_for_the_vehicles_type_at_the_present_time(asked):
     quickest_way("ego", "ab", ("x", "y"))
+    assert asked == {("car", 12.0)}
+
+
+def test_a_type_of_the_vehicles_own_which_sumo_would_forget_is_not_asked_for(asked):
+    quickest_way("own", "ab", ("x", "y"))
     assert asked == {("car", 12.0)}
