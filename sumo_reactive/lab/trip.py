@@ -40,7 +40,6 @@ from sumo_reactive.sumo.stand_ins import (
     OccupiedLane,
     StandIns,
     ahead_of_mapping,
-    lanes_under,
     left_behind,
     mapped_elsewhere,
     mapped_next,
@@ -225,10 +224,7 @@ class Trip:
         place = mapped_elsewhere(by, drive.s, edges)
         place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
         besides = lane_lain_over(by, drive.s, edges, place.lane.id if place else "") or rear_beside(by, drive.s, edges)
-        besides = besides or rear_unseen(by, edges[here.route_index :])
-        is_off = not self._mapped and drive.plan.aside is None
-        under = lanes_under(by) if is_off else (None, None)
-        return under if any(under) else (place, besides)
+        return place, besides or rear_unseen(by, edges[here.route_index :])
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

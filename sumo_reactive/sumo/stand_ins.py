@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import math
-from operator import itemgetter
 from typing import NamedTuple
 
 import libsumo
-import numpy as np
-import shapely
 
 from sumo_reactive.driver.driving import segment_at
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
@@ -183,26 +180,6 @@ def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:
     seen = length * lane.scale + OCCUPIED_LANE_M  # and as much clear of that: it waits where somebody is, and so is the ego
     x, y = lane.spine.at(front - seen)
     return OccupiedLane(lane, x, y, by.ego.speed, edges, waits=True, length=(length - seen) / lane.scale)
-
-
-def lanes_under(by: Occupant) -> tuple[OccupiedLane | None, OccupiedLane | None]:
-    """Return where to show an ego that SUMO has on no lane: on the two that its body covers most of, as much of them as it
-    covers, with its speed along them; None: on no more."""
-    pose, limits = by.ego.pose, by.limits
-    reach, half = limits.rear_overhang, 0.5 * limits.width
-    along, aside = (grid.ravel() for grid in np.mgrid[-reach : limits.front_to_rear_axle : 0.5, -half : half + 0.1 : half])
-    c, s = math.cos(pose.heading), math.sin(pose.heading)
-    places = np.column_stack((pose.x + along * c - aside * s, pose.y + along * s + aside * c))
-    found = list[tuple[int, OccupiedLane]]()
-    for lane in by.graph.lanes_near(shapely.multipoints(places), half):
-        at = lane.spine.arc_lengths_at(places)[np.abs(lane.spine.offsets(places)) < 0.5 * lane.width]
-        if len(at) and (length := float(np.ptp(at))) > OCCUPIED_LANE_M:
-            front, edges = float(at.max()), (lane.edge_id,)
-            speed = max(by.ego.speed * math.cos(lane.spine.heading_at(front) - pose.heading), 0.0)
-            place = OccupiedLane(lane, *lane.spine.at(front), speed, edges, waits=True, length=length / lane.scale)
-            found.append((-len(at), place))
-    first, second = (*(one for _, one in sorted(found, key=itemgetter(0))), None, None)[:2]
-    return first, second
 
 
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

@@ -267,23 +267,3 @@ def test_ahead_of_mapping_the_stand_in_has_its_rear_where_the_body_is_farthest_b
     east = max(200.0, 200.0 - 4.7 * math.cos(direction))
     place = pytest.approx(east - 4.7), pytest.approx(1.6)
     assert seen == (OccupiedLane(road.lanes["ba_0"], *place, 0.0, ("ba",), waits=True) if is_shown else None)
-
-
-@pytest.mark.parametrize(
-    ("y", "heading", "shown"),
-    [
-        (-1.6, 0.0, {"ab_1": (200.0, -1.6, 4.7)}),
-        (1.6, math.pi, {"ba_0": (200.0, 1.6, 4.7)}),
-        (-1.0, 0.5 * math.pi, {"ab_0": (200.9, -4.8, 1.8), "ab_1": (200.9, -1.6, 1.8)}),
-        (3.0, 0.5 * math.pi, {"ba_0": (199.1, 1.6, 1.8), "ab_1": (200.9, -1.6, 1.8)}),
-        (9.0, 0.5 * math.pi, {}),
-    ],
-)
-def test_an_ego_that_sumo_has_on_no_lane_is_shown_on_those_that_its_body_covers(road, y, heading, shown):
-    by = Occupant(road, None, None, ego_at(200.0, y, heading), CAR)
-    seen = [one for one in stand_ins.lanes_under(by) if one is not None]
-    assert {one.lane.id: (one.x, one.y, one.length) for one in seen} == {
-        lane: pytest.approx(place, abs=0.5) for lane, place in shown.items()
-    }
-    assert all(one.waits and one.edges == (one.lane.edge_id,) for one in seen)
-    assert [one.speed for one in seen] == pytest.approx([5.0 * abs(math.cos(heading))] * len(seen), abs=1e-9)

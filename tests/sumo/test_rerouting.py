@@ -31,7 +31,8 @@ def asked(monkeypatch):
         edges, time = LEGS[start, goal]
         return SimpleNamespace(edges=edges, travelTime=time)
 
-    script(monkeypatch, simulation=Domain(getTime=12.0, findRoute=find), vehicle=Domain(getTypeID={"ego": "car", "own": "car@own"}))
+    types = {"ego": "car", "own": "car@own"}
+    script(monkeypatch, simulation=Domain(getTime=12.0, findRoute=find), vehicle=Domain(getTypeID=types))
     return kinds
 
 
