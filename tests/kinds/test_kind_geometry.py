@@ -108,6 +108,17 @@ def test_a_bridge_is_no_crossing(tmp_path, level):
     assert run.complaints(slower=1.05) == []
 
 
+@pytest.mark.parametrize("bend", [0, 25])
+@pytest.mark.parametrize("width", [1.5, 1.75, 2.0])
+def test_on_a_road_hardly_wider_than_two_cars_the_ego_keeps_to_its_side_and_meets_nobody(tmp_path, width, bend):
+    nodes = node("a", -150, 0) + node("b", -60, 0) + node("c", 60, bend) + node("d", 150, bend)
+    ways = "".join(map(edge, ("ab", "ba", "cd", "dc"))) + edge("bc", width=width) + edge("cb", width=width)
+    others = stream("x", "dc cb ba", [0, 2, 4, 8, 12, 15])
+    run = driven(tmp_path, Net(nodes, ways), car("ego", "ab bc cd", 1), others)
+    assert run.complaints(slower=1.6) == []
+    assert all(moment.lane for moment in run.ego.moments)
+
+
 @pytest.mark.parametrize("first", [8, 9, 10])
 def test_on_a_bridge_without_a_height_nobody_is_braked_for_though_his_road_joins_farther_on(tmp_path, first):
     places = {"w": (-250, 0), "m": (0, 0), "e": (40, 0), "f": (120, 0), "n": (-20, 80)}

@@ -1,4 +1,4 @@
-"""Where C keeps off the middle of its lane: long bodies in bends, who waits in or at junctions, who is beside the ego there.
+"""Where C keeps off the middle of its lane: bends for long bodies, narrow roads, who waits in or at junctions or is beside.
 
 A long body's front keeps to the outside, so that the rear, which cuts the inside, stays in the lane too. Who waits inside a
 junction, or at a line that the map draws into others' way, does not move aside, and who comes too near beside the ego there
@@ -28,7 +28,7 @@ from sumo_reactive.driver.world.junction import (
     Connection,
     Junction,
 )
-from sumo_reactive.driver.world.lane import road_of
+from sumo_reactive.driver.world.lane import road_of, separation
 from sumo_reactive.driver.world.lateral_conflict import LateralConflict, beside, lateral_conflicts
 from sumo_reactive.driver.world.regions import SWEPT_WIDTH_M
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -49,6 +49,14 @@ LEAST_M = 1e-4
 """Less is rounding."""
 BUMPER_SPARE_M = 0.3
 """The front bumper covers at least this much of its lane, which is what maps it to the lane."""
+ONCOMING_WIDTH_M = 1.8
+"""What an oncoming car takes of a narrow road."""
+MOST_OUTWARD_M = 0.8
+"""The ego keeps no farther than this off the middle of its lane there: SUMO has to find it on the lane."""
+BACK_WITHIN_M = 12.0
+"""It comes to the outside, and back to the middle, within this way."""
+BEND_RAD = 0.3
+"""A line that turns by more within that way is a bend, or a turn."""
 KEPT_M = 4.0
 """C keeps away for this much longer before and behind, so that smoothing does not fill up the way round."""
 SIDE_POINTS, END_POINTS = 6, 3
@@ -114,6 +122,42 @@ def clear_of_others(line: Points, half_widths: Floats, reference: Reference, lim
     )
     eased = _eased_in(left - right, reach)
     return line if np.abs(eased).max() < LEAST_M else moved_aside(line, eased)
+
+
+def clear_of_oncoming(line: Points, reference: Reference, limits: VehicleLimits) -> Points:
+    """Return `line` (n, 2), sampled every CURVE_STEP_M, moved to the outside of roads on which the oncoming lane is nearer
+    than two cars are wide; in turns and bends, where the body needs the road, it is back in the middle."""
+    graph, pieces = reference.graph, reference.pieces
+    width = limits.width + 2.0 * (limits.parameters.corridor_margin_m + COMFORT_DEVIATION_M)
+    outward = [_outward(graph, piece.lane.id, width) for piece in pieces]
+    if not any(outward):
+        return line
+    for k, piece in enumerate(pieces):
+        if piece.lane.is_internal and k:
+            behind = (out for one, out in zip(pieces[k:], outward[k:], strict=True) if not one.lane.is_internal)
+            outward[k] = max(outward[k - 1], next(behind, 0.0), key=abs)
+    at = np.searchsorted([piece.u for piece in pieces], CURVE_STEP_M * np.arange(len(line)), side="right") - 1
+    shift = np.array(outward)[np.clip(at, 0, None)]
+    reach, headings = int(BACK_WITHIN_M / CURVE_STEP_M), np.unwrap(np.arctan2(*np.gradient(line, axis=0).T[::-1]))
+    ends = np.pad(headings, reach // 2, mode="edge")
+    bends = np.abs(ends[2 * (reach // 2) :] - ends[: len(headings)]) > BEND_RAD
+    shift[maximum_filter1d(bends, 2 * reach + 1)] = 0.0
+    return moved_aside(line, _eased_in(shift, reach))
+
+
+@kept(4096)
+def _outward(graph: RoadGraph, lane_id: str, width: float) -> float:
+    """Return how far to the left (negative: right) of the middle of a lane a car keeps that takes `width` m of the road.
+
+    It stays in the middle where oncoming cars have room, or another lane lies on the outside.
+    """
+    lane = graph.lanes[lane_id]
+    oncoming = graph.oncoming(lane.edge_id)
+    if lane.is_internal or not oncoming or len(graph.edge_lanes[lane.edge_id]) > 1:
+        return 0.0
+    apart = separation(lane, oncoming[-1]) + 0.5 * (lane.width + oncoming[-1].width)
+    outward = min(max(0.5 * (width + ONCOMING_WIDTH_M) - apart, 0.0), MOST_OUTWARD_M)
+    return outward if graph.left_hand else -outward
 
 
 def _eased_over(limits: VehicleLimits) -> int:

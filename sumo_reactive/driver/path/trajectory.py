@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d
 from sumo_reactive.driver.geometry.curve import CURVE_STEP_M, Curve, project_each
 from sumo_reactive.driver.geometry.polyline import Floats, Points, Polyline, curvature_of, cut, eased, moved_aside, wrapped
 from sumo_reactive.driver.nouns.plan import Aside, lateral_of
-from sumo_reactive.driver.path.aside import COMFORT_DEVIATION_M, centred, clear_of_others
+from sumo_reactive.driver.path.aside import COMFORT_DEVIATION_M, centred, clear_of_oncoming, clear_of_others
 from sumo_reactive.driver.path.reference import Piece, Reference
 from sumo_reactive.driver.path.turning import turnable
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -112,8 +112,7 @@ def trajectory(
         centre = Polyline(cut(centre, 0.0, PLAN_HORIZON_M))
     u = CURVE_STEP_M * np.arange(int(centre.length / CURVE_STEP_M) + 1, dtype=np.float64)
     line = centre.points_at(u)
-    if aside is not None:
-        line = moved_aside(line, lateral_of(aside, u))
+    line = clear_of_oncoming(line, reference, limits) if aside is None else moved_aside(line, lateral_of(aside, u))
     width, left_hand = reference.pieces[0].lane.width, reference.graph.left_hand
     lanes, _ = _met_from(line, start, width, limits)
     pace, half_widths = lanes_at(reference.pieces, u)
