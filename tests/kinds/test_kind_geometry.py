@@ -119,6 +119,16 @@ def test_on_a_road_hardly_wider_than_two_cars_the_ego_keeps_to_its_side_and_meet
     assert all(moment.lane for moment in run.ego.moments)
 
 
+@pytest.mark.parametrize("bend", [0, 25])
+@pytest.mark.parametrize("width", [1.5, 1.75, 2.0])
+def test_where_a_side_road_joins_a_narrow_road_those_who_go_straight_on_pass_each_other(tmp_path, width, bend):
+    places = {"a": (-150, 0), "b": (-60, 0), "f": (0, 0.5 * bend), "c": (60, bend), "d": (150, bend), "e": (0, -80)}
+    ways = "".join(edge(ends, width=width) for ends in ("ab", "ba", "bf", "fb", "fc", "cf", "cd", "dc", "ef", "fe"))
+    net = Net("".join(node(name, *place) for name, place in places.items()), ways)
+    run = driven(tmp_path, net, car("ego", "ab bf fc cd", 1), stream("x", "dc cf fb ba", [0, 2, 4, 8, 12, 15]))
+    assert run.complaints(slower=1.05) == []
+
+
 @pytest.mark.parametrize("first", [8, 9, 10])
 def test_on_a_bridge_without_a_height_nobody_is_braked_for_though_his_road_joins_farther_on(tmp_path, first):
     places = {"w": (-250, 0), "m": (0, 0), "e": (40, 0), "f": (120, 0), "n": (-20, 80)}

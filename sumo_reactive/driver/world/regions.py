@@ -23,6 +23,12 @@ MIN_REGION_AREA_M2 = 0.01
 UNDECLARED_REGION_AREA_M2 = 0.5
 """Overlap that makes a conflict region of paths that the network calls free of conflict: two corners 0.7 m deep."""
 
+STRAIGHT_COSINE = 0.95
+"""Paths that nowhere turn by more than the angle with this cosine, 0.32 rad, are straight."""
+
+PASSED_BESIDE_M = 1.2
+"""Oncoming ways at least so far apart are those of lanes: a car of 1.8 m has the rest of the room that it needs outside."""
+
 SEPARATE_LEVELS_M = 3.0
 """Difference in height of paths that pass over each other; a car and its clearance need about this."""
 
@@ -204,12 +210,24 @@ def conflict_kind(own: Connection, other: Connection) -> ConflictKind:
 
 
 def _meet(own: Connection, other: Connection, kind: ConflictKind, area: float, junction: Junction) -> bool:
-    """Whether an overlap of `area` m² is a conflict: paths that share an end always meet, declared foes mostly do."""
+    """Whether an overlap of `area` m² is a conflict: paths that share an end always meet, declared foes mostly do, and those
+    who come towards each other straight on a narrow road pass each other there as on the road."""
     if kind is not ConflictKind.CROSSING:
         return True
     table = junction.right_of_way
-    declared = table.in_conflict(own.index, other.index) or table.in_conflict(other.index, own.index)
-    return area > (MIN_REGION_AREA_M2 if declared else UNDECLARED_REGION_AREA_M2)
+    if table.in_conflict(own.index, other.index) or table.in_conflict(other.index, own.index):
+        return area > MIN_REGION_AREA_M2
+    return area > UNDECLARED_REGION_AREA_M2 and not _pass_each_other(own.path, other.path)
+
+
+def _pass_each_other(own: Polyline, other: Polyline) -> bool:
+    """Whether two paths lead towards each other, straight all the way and beside each other."""
+    if float(np.abs(own.offsets(other.points)).min()) < PASSED_BESIDE_M:
+        return False
+    out = own.heading_at(0.0)
+    ways, back = np.diff(own.points, axis=0), -np.diff(other.points, axis=0)
+    off = [np.arctan2(way[:, 1], way[:, 0]) - out for way in (ways, back)]
+    return bool(np.cos(np.concatenate(off)).min() > STRAIGHT_COSINE)
 
 
 def _main_part(overlap: Any, kind: ConflictKind, line: Any) -> Any:

@@ -171,3 +171,20 @@ def test_a_region_on_the_approach_begins_before_the_stop_line():
     assert region.own.start == pytest.approx(-7.0, abs=0.01)
     assert region.own.end == pytest.approx(4.0, abs=0.01)
     assert (region.other.start, region.other.end) == pytest.approx((0.0, 11.0), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("points", "foes", "is_one"),
+    [
+        ([(4, 1.5), (0, 1.5)], (), False),
+        ([(4, 1.5), (0, 1.5)], [(0, 1)], True),  # the network calls them conflicting
+        ([(4, 1.1), (0, 1.1)], (), True),  # drawn over each other
+        ([(4, 2.1), (2.5, 2.1), (1.5, 1.2), (0, 1.2)], (), True),  # it swerves
+        ([(0, 1.5), (4, 1.5)], (), True),  # the same way
+        ([(4, 1.3), (0, 2.0)], (), False),
+    ],
+)
+def test_straight_ways_towards_each_other_are_no_conflict_however_narrow_the_road(points, foes, is_one):
+    own, other = connection("w_0->e_0", [(0, 0), (4, 0)], 0), connection("e_1->w_1", points, 1)
+    found = conflict_regions([own], junction(own, other, foes=foes))["w_0->e_0"]
+    assert bool(found) is is_one
