@@ -42,15 +42,15 @@ def _crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, .
     """Return where lanes cross C on another level, by lane id, m of their spines."""
     way = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
     found: dict[str, tuple[float, ...]] = {}
-    for lane in graph.lanes_near(way):
+    for lane in graph.lanes_crossing(way):
         met = shapely.get_coordinates(shapely.intersection(way, shapely.linestrings(lane.spine.points)))
-        places = tuple(at for x, y in met.tolist() if (at := _level_crossing(plan, graph, lane, x, y)) is not None)
+        places = tuple(at for x, y in met.tolist() if (at := _crossed_on_another(plan, graph, lane, x, y)) is not None)
         if places:
             found[lane.id] = places
     return found
 
 
-def _level_crossing(plan: NominalPlan, graph: RoadGraph, lane: Lane, x: float, y: float) -> float | None:
+def _crossed_on_another(plan: NominalPlan, graph: RoadGraph, lane: Lane, x: float, y: float) -> float | None:
     """Return where a lane crosses C at (x, y), m of its spine; None: on the level of C, or hardly across it."""
     curve, at = plan.curve, lane.spine.project(x, y)[0]
     k = int(np.argmin((curve.x - x) ** 2 + (curve.y - y) ** 2))

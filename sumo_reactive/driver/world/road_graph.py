@@ -122,10 +122,10 @@ class RoadGraph:
         lanes = tuple(lane for lane in self.lanes.values() if not lane.is_internal)
         return lanes, shapely.STRtree([shapely.linestrings(lane.spine.points) for lane in lanes])
 
-    def lanes_near(self, place: shapely.Geometry, reach: float = 0.0) -> list[Lane]:
-        """Return the normal lanes whose spines come within `reach` m of a place."""
+    def lanes_crossing(self, line: shapely.LineString) -> list[Lane]:
+        """Return the normal lanes whose spines have a place in common with a line, in the order of `lanes`."""
         lanes, tree = self._spines
-        return [lanes[k] for k in sorted(tree.query(place, predicate="dwithin", distance=reach).tolist())]
+        return [lanes[k] for k in sorted(tree.query(line, predicate="intersects").tolist())]
 
     def neighbours(self, lane_id: str) -> tuple[Lane | None, Lane | None]:
         """Return the lanes directly left and right of a lane on its edge, as the driver sees them."""
