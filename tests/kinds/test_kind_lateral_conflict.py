@@ -70,3 +70,22 @@ def test_a_bus_that_turns_outside_of_the_ego_is_let_cut_the_corner(tmp_path, tur
     bus = car("x", "ab bc", type="long", departPos=40 + ahead, **said[0])
     run = driven(tmp_path, net, bus, car("ego", "ab bc", departPos=40, **said[1]), extra=long)
     assert run.complaints(slower=1.3) == []
+
+
+def drawn_across() -> Net:
+    """Return a road of two lanes; the way to the right from its outer lane swings over the straight one from the other."""
+    nodes = node("a", 0, 0) + node("b", 150, -10, radius=25) + node("c", 300, 0) + node("d", 165, -180)
+    ways = edge("ab", numLanes=2, shape="0,0 125,0") + edge("bc", shape="180,0 300,0") + edge("bd", shape="168,-30 165,-180")
+    turn = link("ab bd", "00", shape="125,-4.8 150,1.5 162,-1 167,-12 166.4,-30")
+    return Net(nodes, ways, turn + link("ab bc", "10", shape="125,-1.6 180,-1.6"))
+
+
+@pytest.mark.parametrize("way", ["d", "c"])
+@pytest.mark.parametrize("ahead", [-25, -6, 0, 6, 25])
+def test_where_a_turn_is_drawn_across_the_lane_beside_no_two_are_there_at_once(tmp_path, way, ahead):
+    sides = {"d": {"departLane": 0}, "c": {"departLane": 1}}
+    said = {"type": "steady", "departPos": 30 + ahead, "departSpeed": 10}
+    other = "c" if way == "d" else "d"
+    traffic = STEADY + car("x", f"ab b{other}", **(said | sides[other]))
+    run = driven(tmp_path, drawn_across(), car("ego", f"ab b{way}", departPos=30, departSpeed=10, **sides[way]), traffic)
+    assert run.complaints(slower=1.5) == []

@@ -16,8 +16,11 @@ from sumo_reactive.driver.view.corridor import band_of, blocking_ones
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
 from sumo_reactive.driver.world.junction import WAITING_LENGTH_M, WAITING_WIDTH_M, Connection
 from sumo_reactive.driver.world.lateral_conflict import SIDE_BY_SIDE_ANGLE
-from sumo_reactive.driver.world.regions import ConflictKind, ConflictRegion
+from sumo_reactive.driver.world.regions import REGION_STEP_M, ConflictKind, ConflictRegion
 from sumo_reactive.driver.world.road_graph import RoadGraph, walk
+
+CHANGED_SIDES_M = 0.5
+"""Ways that cross less far are drawn over each other by rounding or by a lane that widens."""
 
 
 @kept(PLANS_KEPT)
@@ -66,7 +69,8 @@ def conflicts_of(graph: RoadGraph, own: Connection, regions: tuple[ConflictRegio
     """Return the crossing and merging conflicts in the `regions` on a connection, in their order.
 
     Bodies that brush past each other from neighbour lanes of one road, with no rule between them, are no conflict: they
-    drive side by side, and whoever reaches into the ego's corridor is a leader.
+    drive side by side, and whoever reaches into the ego's corridor is a leader. Those whose ways change sides are one:
+    some maps draw a turn across the lane beside it and declare it free, and SUMO's cars then do not look.
     """
     junction = graph.junctions[own.junction_id]
     rules = junction.right_of_way
@@ -82,10 +86,17 @@ def conflicts_of(graph: RoadGraph, own: Connection, regions: tuple[ConflictRegio
 
 
 def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, other: Connection) -> bool:
-    """Whether two paths come from one road and run in about one direction where they meet."""
+    """Whether two paths come from one road, run in about one direction where they meet and stay on their sides."""
     before, beside = graph.lanes.get(own.from_lane), graph.lanes.get(other.from_lane)
     if before is None or beside is None or before.edge_id != beside.edge_id:
         return False
     along = own.path.heading_at(0.5 * (region.own.start + region.own.end))
     across = other.path.heading_at(0.5 * (region.other.start + region.other.end))
-    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE)
+    return math.cos(along - across) > math.cos(SIDE_BY_SIDE_ANGLE) and not _change_sides(region, own, other)
+
+
+def _change_sides(region: ConflictRegion, own: Connection, other: Connection) -> bool:
+    """Whether the other path is on either side of the own one while it passes their region."""
+    s = np.arange(region.other.start, region.other.end, REGION_STEP_M)
+    sides = own.path.offsets(other.path.points_at(s))
+    return bool(sides.min() < -CHANGED_SIDES_M and sides.max() > CHANGED_SIDES_M)
