@@ -159,15 +159,15 @@ def _with_tail(connection: Connection, outline: Points, lane_of: LaneOf) -> Conn
 
 
 def _held_back(connections: tuple[Connection, ...], lane_of: LaneOf) -> tuple[Connection, ...]:
-    """Return the connections with the room that their approach lanes must leave to traffic from other roads, and with
-    the exits that reach over such a lane."""
+    """Return the connections with the room that their approach lanes must leave to traffic from other lanes, some of it
+    from beside them, and with the exits that reach over such a lane."""
     cars = [connection for connection in connections if not connection.is_crossing]
     room: dict[str, float] = {}
     over: set[str] = set()
     for connection in cars:
         if connection.from_lane not in room:
             lane = lane_of(connection.from_lane)
-            others = [c for c in cars if lane_of(c.from_lane).edge_id != lane.edge_id]
+            others = [c for c in cars if c.from_lane != lane.id]
             paths = [joined([c.path.points, _exit(c, lane_of)]) for c in others]
             room[lane.id], reaching = hold_back(lane.spine, paths)
             over.update(others[i].id for i in reaching)

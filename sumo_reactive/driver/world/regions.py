@@ -152,7 +152,7 @@ def hold_back(approach: Polyline, ways: Sequence[Points]) -> tuple[float, tuple[
     """Return how far before the end of an approach lane (m) a body must stop to stay out of the bands swept along `ways`,
     and the numbers of the ways that reach over it.
 
-    `ways` are paths of traffic from other roads, each with the start of the lane behind it. On most maps none of them
+    `ways` are paths of traffic from other lanes, each with the start of the lane behind it. On most maps none of them
     reaches over the stop line.
     """
     start = max(approach.length - HOLD_BACK_REACH_M, 0.0)
