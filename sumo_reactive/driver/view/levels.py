@@ -11,11 +11,8 @@ from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
-from sumo_reactive.driver.world.lane import Lane
+from sumo_reactive.driver.world.lane import CROSSING_SINE, Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
-
-ACROSS_SINE = 0.5
-"""Lanes at a smaller angle lie over each other rather than cross, whatever they are."""
 
 COMING_M, GONE_M = 60.0, 10.0
 """Who is this near before the crossing, or with his rear this near behind it, might be taken for one who meets the ego."""
@@ -57,7 +54,7 @@ def _crossed_on_another(plan: NominalPlan, graph: RoadGraph, lane: Lane, x: floa
     here = next((one for one in plan.segments if one.start <= k * curve.step < one.end), plan.segments[-1])
     own = graph.lanes[here.lane_id]
     is_joined = own.edge_id == lane.edge_id or _junctions(graph, own) & _junctions(graph, lane)
-    is_across = abs(np.sin(lane.spine.heading_at(at) - curve.heading[k])) > ACROSS_SINE
+    is_across = abs(np.sin(lane.spine.heading_at(at) - curve.heading[k])) > CROSSING_SINE
     return at if is_across and not is_joined else None
 
 

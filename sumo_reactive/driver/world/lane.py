@@ -12,6 +12,9 @@ from sumo_reactive.driver.geometry.polyline import Points, Polyline, moved_aside
 OPPOSITE_SLACK_M = 1.0
 """Two edges share a carriageway if their inner lanes lie side by side with at most this room (a painted median) between."""
 
+CROSSING_SINE = 0.5
+"""Roads at a smaller angle lie over each other rather than cross, whether or not a junction joins them."""
+
 VEHICLE_CLASSES = frozenset(
     {
         "private", "emergency", "authority", "army", "vip", "pedestrian", "passenger", "hov", "taxi", "bus", "coach",

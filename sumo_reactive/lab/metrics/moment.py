@@ -14,6 +14,7 @@ from sumo_reactive.driver.compilation import kernel
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.traffic import RoadUser, boxes_of
+from sumo_reactive.driver.world.lane import CROSSING_SINE
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 SHRINK_M = 0.05
@@ -104,9 +105,6 @@ Figures = dict[str, float | int | None]
 
 JUDGED_REACH_M = 80.0
 """Users farther away (front to front) are not judged."""
-
-CROSSING_SINE = 0.5
-"""Roads at a smaller angle lie over each other rather than cross."""
 
 ONCOMING = math.radians(135.0)
 """rad; who turns away from the ego by more comes towards it, and is not counted: on bends straight lines cross."""
