@@ -97,6 +97,7 @@ def _side_by_side(graph: RoadGraph, region: ConflictRegion, own: Connection, oth
 
 def _change_sides(region: ConflictRegion, own: Connection, other: Connection) -> bool:
     """Whether the other path is on either side of the own one while it passes their region."""
-    s = np.arange(region.other.start, region.other.end, REGION_STEP_M)
+    start, end = region.other.start, region.other.end
+    s = np.linspace(start, end, 2 + int((end - start) / REGION_STEP_M))
     sides = own.path.offsets(other.path.points_at(s))
     return bool(sides.min() < -CHANGED_SIDES_M and sides.max() > CHANGED_SIDES_M)
