@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -37,25 +38,30 @@ def _passes_on_another(user: RoadUser, places: Sequence[float]) -> bool:
 @kept(PLANS_KEPT)
 def _crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, ...]]:
     """Return where lanes cross C on another level, by lane id, m of their spines."""
-    way = shapely.linestrings(np.column_stack((plan.curve.x, plan.curve.y)))
-    found: dict[str, tuple[float, ...]] = {}
-    for lane in graph.lanes_crossing(way):
-        met = shapely.get_coordinates(shapely.intersection(way, shapely.linestrings(lane.spine.points)))
-        places = tuple(at for x, y in met.tolist() if (at := _crossed_on_another(plan, graph, lane, x, y)) is not None)
-        if places:
-            found[lane.id] = places
+    curve, found = plan.curve, dict[str, tuple[float, ...]]()
+    points, last = np.column_stack((curve.x, curve.y)), len(curve.x) - 1
+    ends = [int(segment.start / curve.step) + 1 for segment in plan.segments[1:]]
+    for segment, end in zip(plan.segments, (*ends, last), strict=True):
+        first, own = max(int(segment.start / curve.step), 0), graph.lanes[segment.lane_id]
+        if first >= min(end, last):
+            continue
+        way = shapely.linestrings(points[first : min(end, last) + 1])
+        for lane in graph.lanes_crossing(way):
+            if own.edge_id != lane.edge_id and not _junctions(graph, own) & _junctions(graph, lane):
+                places = tuple(_places_across(way, curve.heading[first:], curve.step, lane))
+                if places:
+                    found[lane.id] = (*found.get(lane.id, ()), *places)
     return found
 
 
-def _crossed_on_another(plan: NominalPlan, graph: RoadGraph, lane: Lane, x: float, y: float) -> float | None:
-    """Return where a lane crosses C at (x, y), m of its spine; None: on the level of C, or hardly across it."""
-    curve, at = plan.curve, lane.spine.project(x, y)[0]
-    k = int(np.argmin((curve.x - x) ** 2 + (curve.y - y) ** 2))
-    here = next((one for one in plan.segments if one.start <= k * curve.step < one.end), plan.segments[-1])
-    own = graph.lanes[here.lane_id]
-    is_joined = own.edge_id == lane.edge_id or _junctions(graph, own) & _junctions(graph, lane)
-    is_across = abs(np.sin(lane.spine.heading_at(at) - curve.heading[k])) > CROSSING_SINE
-    return at if is_across and not is_joined else None
+def _places_across(way: shapely.LineString, headings: Floats, step: float, lane: Lane) -> Iterator[float]:
+    """Yield where a lane leads across a part of C, which has its `headings` (rad) every `step` m, m of the lane's spine."""
+    met = shapely.intersection(way, shapely.linestrings(lane.spine.points))
+    for x, y in shapely.get_coordinates(met).tolist():
+        at = lane.spine.project(x, y)[0]
+        heading = headings[round(way.project(shapely.Point(x, y)) / step)]
+        if abs(math.sin(lane.spine.heading_at(at) - heading)) > CROSSING_SINE:
+            yield at
 
 
 @kept(4096)
