@@ -12,7 +12,12 @@ from sumo_reactive.driver.nouns.event import EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.pilot.passages import Exit, View
 from sumo_reactive.driver.pilot.rules.gaps import Judgement
+from sumo_reactive.driver.pilot.rules.lights import SHUT
+from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.route import ScheduledStop
+
+NEVER_SHUT: Mapping[str, tuple[float, ...]] = {}
+"""No light has been seen."""
 
 
 class Premises(NamedTuple):
@@ -71,7 +76,8 @@ class PilotMemory(NamedTuple):
     since when (s); `lost`: that before which the ego has stood through a whole green (empty: none). `move`: which of
     the plan's turns in several moves is under way, and which of its moves (None: none is). `yellows`: the connections whose
     light is yellow, each since when (s). `kept`: foes who stand because they let somebody pass, each until when (s).
-    `let_go`: whom the ego lets go although they would wait for it.
+    `let_go`: whom the ego lets go although they would wait for it. `shut`: since when each link of the lights in sight has
+    not been green (s; infinite: it is), as far as the ego has seen it.
     """
 
     standing_since: float | None = None
@@ -95,6 +101,24 @@ class PilotMemory(NamedTuple):
     yellows: tuple[tuple[str, float], ...] = ()
     kept: tuple[tuple[str, float], ...] = ()
     let_go: tuple[str, ...] = ()
+    shut: Mapping[str, tuple[float, ...]] = NEVER_SHUT
+
+    def with_lights(self, lights: Mapping[str, str], time: float) -> PilotMemory:
+        """Return the memory of which links of the `lights` in sight are not green at `time`, s."""
+        shut = {}
+        for light, letters in lights.items():
+            known = self.shut.get(light, ())
+            before = known if len(known) == len(letters) else (time,) * len(letters)
+            shut[light] = tuple(
+                min(since, time) if one in SHUT else math.inf for one, since in zip(letters, before, strict=True)
+            )
+        return self._replace(shut=shut)
+
+    def shut_for(self, connection: Connection, time: float) -> float:
+        """How long the light of a connection has not been green at `time`, as far as the ego has seen it, s."""
+        link = connection.light
+        since = () if link is None else self.shut.get(link.light_id, ())
+        return 0.0 if link is None or link.index >= len(since) else max(time - since[link.index], 0.0)
 
     def with_released(self, connection_id: str, since: float) -> PilotMemory:
         """Return the memory of by which connection the ego may go next (empty: none), since when (s)."""

@@ -85,7 +85,8 @@ def decide(
     out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     snapshot, plan = view.snapshot, view.plan
-    memory = memory.with_released(*released(snapshot, view.ways, memory))._replace(kept=kept_waiting(snapshot, memory))
+    memory = memory.with_lights(snapshot.lights, snapshot.time).with_released(*released(snapshot, view.ways, memory))
+    memory = memory._replace(kept=kept_waiting(snapshot, memory))
     situation = _considered(view, outlook, events, memory)
     behaviour = next_behaviour(situation)
     wishes = situation.changing.wishes

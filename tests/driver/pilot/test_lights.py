@@ -6,7 +6,7 @@ from helpers.situations import before
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.rules.lights import has_passed
+from sumo_reactive.driver.pilot.rules.lights import has_passed, holds_back
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
 CROSSING = "signalised_left_turns"
@@ -116,3 +116,24 @@ def test_who_has_braked_for_a_yellow_does_not_think_better_of_it_when_it_is_near
     ego = before(CROSSING, ("from_south", "to_north"), 8.0, 7.2)
     stop = ego.remembering(yellows=((ego.connection.id, since),)).stop(lights=letters("y", ego.connection.light.index))
     assert (stop is not None and stop.reason is Reason.YELLOW_LIGHT) is stops
+
+
+@pytest.mark.parametrize("letter", "rRuyY")
+@pytest.mark.parametrize(
+    ("to_line", "speed", "shut_for", "held"),
+    [
+        (30.0, 13.0, 0.0, True),
+        (20.0, 13.0, 0.0, False),
+        (20.0, 13.0, 1.0, True),  # it came on when he was 33 m before the line
+        (10.0, 13.0, 9.0, True),
+        (9.0, 13.0, 9.0, False),  # whatever he has seen, nothing stops him any more
+        (-0.1, 5.0, 9.0, False),  # he is over the line
+    ],
+)
+def test_who_could_stop_when_his_light_came_on_and_still_can_is_held_back(letter, to_line, speed, shut_for, held):
+    assert holds_back(letter, to_line, speed, shut_for, hardest=9.0, bearable=3.0) is held
+
+
+@pytest.mark.parametrize("letter", ["G", "g", "o", "O", "s", ""])
+def test_no_other_letter_holds_anybody_back(letter):
+    assert not holds_back(letter, 50.0, 5.0, 9.0, hardest=9.0, bearable=3.0)

@@ -1,5 +1,7 @@
 """Who goes first, on the project's own junctions: every case a hand-placed picture (F&L 1991, §2, rules)."""
 
+from dataclasses import replace
+
 import pytest
 from helpers.cars import CAR
 from helpers.situations import PERIOD, before
@@ -96,6 +98,31 @@ def test_a_left_turn_does_not_wait_for_oncoming_traffic_that_has_red():
 def test_a_left_turn_waits_for_an_oncoming_car_that_runs_the_fresh_red():
     ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
     assert ego.stop(on(ego, NORTH_SOUTH, -22.0, 13.0), lights=ONLY_EGO_GREEN) is not None
+
+
+@pytest.mark.parametrize(
+    ("away", "speed", "red_for", "waits"),
+    [
+        (22.0, 13.0, 0.0, True),
+        (22.0, 13.0, 0.4, True),  # the red came on when he had 27.2 m: not enough at 3 m/s²
+        (22.0, 13.0, 0.6, False),  # 29.8 m: he has seen it in time, and will brake as hard as he now has to
+        (60.0, 28.0, 30.0, False),
+    ],
+)
+def test_a_left_turn_goes_before_an_oncoming_car_whose_red_came_on_in_time_for_it_to_stop(away, speed, red_for, waits):
+    ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
+    ego = replace(ego, memory=ego.memory.with_lights(GREEN, 0.0).with_lights(ONLY_EGO_GREEN, ego.time - red_for))
+    stop = ego.stop(on(ego, NORTH_SOUTH, -away, speed), lights=ONLY_EGO_GREEN)
+    assert (stop is not None) is waits
+
+
+def test_a_link_of_a_light_is_shut_from_its_yellow_until_it_is_green_again():
+    ego = before("signalised_left_turns", SOUTH_WEST, 8.0, 6.0, lane=1)
+    link, memory, times = ego.connection.light.index, ego.memory, []
+    for time, letter in enumerate("gyrruGgr"):
+        memory = memory.with_lights({"centre": "r" * link + letter + "r" * (11 - link)}, float(time))
+        times.append(memory.shut_for(ego.connection, float(time)))
+    assert times == [0.0, 0.0, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0]
 
 
 def test_a_left_turn_goes_when_oncoming_traffic_is_far():

@@ -335,7 +335,9 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
         standing = max(standing, snapshot.time - memory.progress_time - HESITATION_S)
     if user.body.is_person:
         return foe.to_stop_line < 0.0 or _may_step_on(foe, snapshot, standing)
-    if holds_back(letter_of(foe.conflict.other, snapshot), foe.to_stop_line, user.speed, p.yellow_deceleration):
+    letter, shut_for = letter_of(foe.conflict.other, snapshot), memory.shut_for(foe.conflict.other, snapshot.time)
+    braking = user.body.emergency_deceleration, p.yellow_deceleration
+    if holds_back(letter, foe.to_stop_line, user.speed, shut_for, *braking):
         return user.speed >= STANDING_SPEED and _is_swung_over(foe.conflict)  # a light keeps nobody off the way to its line
     if user.speed >= STANDING_SPEED:
         return True
