@@ -29,10 +29,6 @@ UNSEEN_REAR_M = 0.2
 PREFIX = "reactive.ghost."
 """Ids of stand-ins begin with this; no figure counts them."""
 
-_LEAVING_M, _ALONG = 0.4, 0.95
-"""A front this far beside the middle of its lane begins to leave it, as does one whose car is turned by more than the angle
-with this cosine."""
-
 _BEFORE_END_M = 0.01
 """Who has passed the end of the lane is shown this far before it: at the end itself SUMO has it in the junction."""
 
@@ -182,15 +178,11 @@ def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:
     return OccupiedLane(lane, x, y, by.ego.speed, edges, waits=True, length=(length - seen) / lane.scale)
 
 
-def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:
-    """Return where to show an ego that turns round in several moves: where it began, so that those behind leave it the room
-    to back up; None: it is still in the middle of that lane. `edges`: its route from there on."""
-    own = by.graph.lanes[turn.from_lane]
-    turned = math.cos(by.ego.pose.heading - own.spine.heading_at(own.spine.length))
-    if abs(own.spine.project(*by.front)[1]) < _LEAVING_M and turned > _ALONG:
-        return None
+def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane:
+    """Return where to show an ego that turns round in several moves: where it began, from the first move on, so that those
+    behind leave it the room to back up. `edges`: its route from there on."""
     x, y = by.plan.curve.at(turn.start - by.limits.parameters.stop_line_margin_m)[:2]
-    return OccupiedLane(own, x, y, 0.0, edges)
+    return OccupiedLane(by.graph.lanes[turn.from_lane], x, y, 0.0, edges)
 
 
 def ahead_of_mapping(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane | None:

@@ -4,11 +4,9 @@ import math
 from dataclasses import replace
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
-from occupants import ahead, behind, cut_in_bend, elsewhere, in_change, occupied
+from occupants import ahead, cut_in_bend, elsewhere, in_change, occupied
 
-from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import Aside, LaneChange, LaneSegment, Turnaround
 from sumo_reactive.driver.nouns.snapshot import OffTracking
 from sumo_reactive.driver.nouns.state import Pose, VehicleState
@@ -230,27 +228,6 @@ TURN = Turnaround(
     start=40.0, line=41.0, end=46.0, from_lane="ab_1", from_index=0, to_lane="ba_0", route_index=1, moves=(), duration=20.0,
     into=5.0,
 )  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("y", "heading", "is_shown"),
-    [(-1.21, 0.0, False), (-1.19, 0.0, True), (-1.99, 0.0, False), (-2.01, 0.0, True), (-1.6, 0.31, False),
-     (-1.6, 0.33, True), (-1.6, -0.31, False), (-1.6, -0.33, True), (-1.6, math.pi, True)],
-)  # fmt: skip
-def test_an_ego_is_left_behind_once_its_front_or_its_heading_leaves_the_lane(road, y, heading, is_shown):
-    plan = SimpleNamespace(curve=SimpleNamespace(at=lambda s: (s, -1.5, 0.0)))
-    seen = behind(road, plan, TURN, ego_at(290.0, y, heading), CAR, EDGES)
-    assert seen == (OccupiedLane(road.lanes["ab_1"], pytest.approx(39.3), -1.5, 0.0, EDGES) if is_shown else None)
-
-
-@pytest.mark.parametrize(("heading", "is_shown"), [(0.8, False), (1.1, False), (0.5, False), (1.13, True), (0.47, True)])
-def test_whether_an_ego_has_turned_is_told_from_its_lanes_direction(heading, is_shown):
-    """A lane to the north-east, which begins to the east."""
-    bent = Polyline(np.array([(0.0, 0.0), (10.0, 0.0), (10.0 + 50.0 * math.cos(0.8), 50.0 * math.sin(0.8))]))
-    graph = SimpleNamespace(lanes={"ab_1": SimpleNamespace(id="ab_1", spine=bent)})
-    plan = SimpleNamespace(curve=SimpleNamespace(at=lambda s: (s, 0.0, 0.0)))
-    seen = behind(graph, plan, TURN, ego_at(*bent.at(50.0), heading), CAR, EDGES)
-    assert (seen is not None) is is_shown
 
 
 @pytest.mark.parametrize(
