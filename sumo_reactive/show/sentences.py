@@ -165,6 +165,10 @@ REASONS: dict[Reason, Wording] = {
         "turns round although {cause} comes over the ground that it needs",
     ),
     Reason.FOLLOWS: Wording("keeps behind {cause}", "follows {cause}, which is slower than the road allows"),
+    Reason.STAYS_THERE: Wording(
+        "does not begin to turn round yet, since {cause} leaves no room where the turn ends",
+        "turns round although {cause} leaves no room where the turn ends",
+    ),
     Reason.NO_ROOM_TO_PASS: Wording(
         "keeps behind {cause}, which is slow or has halted, since there is no gap to pass ({region})",
         "passes {cause} although the gap is short",

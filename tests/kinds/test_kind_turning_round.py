@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import libsumo
 import pytest
-from kinds import Net, Run, car, cross, driven, edge, link, node, situation, stream
+from kinds import Net, Run, car, cross, driven, edge, link, node, situation, standing, stream
 
 from sumo_reactive.driver.nouns.decision import Behaviour
 from sumo_reactive.lab.simulation import run_trial
@@ -52,6 +52,13 @@ def wide() -> Net:
     roads = "".join(edge(ends, numLanes=2) for ends in ("wc", "cw", "ce", "ec")) + edge("wv")
     ways = "".join(link(ends, lanes) for ends in ("wc ce", "ec cw") for lanes in ("00", "11"))
     return Net(nodes, roads, ways + link("wc cw", "11") + link("cw wv"))
+
+
+def short_way_back() -> Net:
+    """Return a road from a over c, 40 m before its end b, where a main road from n to s meets it."""
+    nodes = node("a", 0, 0) + node("c", 80, 0) + node("b", 120, 0) + node("n", 120, 100) + node("s", 120, -100)
+    roads = "".join(edge(ends, priority=5) for ends in ("nb", "bs", "sb", "bn"))
+    return Net(nodes, roads + "".join(map(edge, ("ac", "ca", "cb", "bc"))), options=())
 
 
 def lost(run: Run) -> float:
@@ -140,3 +147,14 @@ def test_who_swings_out_for_a_turn_over_the_lane_beside_lets_those_pass_who_woul
     others = stream("x", "wc ce", [first + 6 * k for k in range(6)], departLane=0)
     run = driven(tmp_path, wide(), car("ego", "wc cw wv", 2, departLane=1), others, until=90)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("queued", [1, 2, 3])
+@pytest.mark.parametrize("late", [0.0, 2.0])
+def test_a_turn_waits_for_a_queue_where_it_ends_and_is_seen_from_its_first_move_on_from_behind(tmp_path, queued, late):
+    head = standing("x", "bc ca", "bc_0", 22.0, 60.0)
+    queue = stream("q", "nb bc ca", [1.0 + 2.0 * k for k in range(queued)])
+    ego, behind = car("ego", "ac cb bc ca", 8.0 + late), car("y", "ac cb bn", 10.0 + late)
+    run = driven(tmp_path, short_way_back(), ego, behind, head, queue, until=200.0)
+    assert run.complaints() == []
+    assert lost(run) < TURN_S

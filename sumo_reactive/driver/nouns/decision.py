@@ -70,6 +70,7 @@ class Reason(Enum):
     GAP_LOST = "the gap to pass is lost"
     NARROW_TURN = "the road is too narrow to turn round in one sweep"
     COMES_OVER = "somebody comes over the ground that the turn needs"
+    STAYS_THERE = "somebody leaves no room where the turn ends"
     FOLLOWS = "somebody slower is ahead"
     NO_ROOM_TO_PASS = "somebody ahead is slow or has halted, and there is no gap to pass"
     NO_PROGRESS = "nobody has the right to block the ego, yet it does not get on"

@@ -78,14 +78,25 @@ class Hindered(NamedTuple):
     is_free: bool
 
 
+class TurningGround(NamedTuple):
+    """Who keeps the ego from a turn in several moves that it is about to begin: who `comes_over` its ground, and who `stays`
+    where it ends (empty: nobody)."""
+
+    comes_over: str = ""
+    stays: str = ""
+
+
+FREE_GROUND = TurningGround()
+"""Nobody does."""
+
+
 class Outlook(NamedTuple):
     """What the pilot asks perception for when an event has activated it.
 
     `forecast` of the others; `beside`: the lanes to which the ego might move aside; `lane_width` of its own (m);
     `sight` (m): how far ahead along C the oncoming traffic was looked at; `queues`: the one that the ego is in, and those on
-    the lanes beside by which it could go as well, if there are such lanes and somebody slow is ahead. `comes_over`: who will
-    drive over the ground of the turn in several moves that the ego is about to begin (empty: nobody). `hindered`: who
-    is near and might wait for an ego that does not get on.
+    the lanes beside by which it could go as well, if there are such lanes and somebody slow is ahead. `ground`: that of the
+    next turn in several moves. `hindered`: who is near and might wait for an ego that does not get on.
     """
 
     forecast: Forecast
@@ -93,5 +104,5 @@ class Outlook(NamedTuple):
     lane_width: float
     sight: float
     queues: tuple[Queue, ...] = ()
-    comes_over: str = ""
+    ground: TurningGround = FREE_GROUND
     hindered: tuple[Hindered, ...] = ()

@@ -12,7 +12,7 @@ from sumo_reactive.driver.nouns.completed_plan import CompletedPlan, Replanning,
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.nouns.forecast import Outlook
+from sumo_reactive.driver.nouns.forecast import FREE_GROUND, Outlook
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import Delays, Parameters
@@ -23,7 +23,7 @@ from sumo_reactive.driver.pilot.behaviours.changing_lanes import merge_early, se
 from sumo_reactive.driver.pilot.behaviours.changing_queues import LEAVES_FOR, leave_queue, released, seek_faster
 from sumo_reactive.driver.pilot.behaviours.giving_way import give_way
 from sumo_reactive.driver.pilot.behaviours.taking_another_way import waiting_since
-from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, place_to_begin, turn_round
+from sumo_reactive.driver.pilot.behaviours.turning_round import Turning, is_behind_queue, place_to_begin, turn_round
 from sumo_reactive.driver.pilot.behaviours.turning_round import is_near as turn_is_near
 from sumo_reactive.driver.pilot.events import premises_of
 from sumo_reactive.driver.pilot.instructions import PAPER_TUNINGS, TUNINGS
@@ -107,7 +107,8 @@ def decide(
     if turning is not None:
         completed = replace(completed, move=turning.move)
     changing, p = situation.changing, snapshot.parameters
-    beside = bool(changing.slot or changing.stop or outlook.comes_over) or view.plan.merging(snapshot.front) is not None
+    waits = bool(changing.slot or changing.stop) or outlook.ground != FREE_GROUND
+    beside = waits or view.plan.merging(snapshot.front) is not None
     again = p.trust_s if beside else p.retry_s if wishes else math.inf
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(view, completed, memory, asked, looks_beside_s=again, is_settled=settled)
@@ -134,10 +135,11 @@ def _asked(situation: Situation, behaviour: Behaviour) -> tuple[Situation, Rules
 
 def _turn(situation: Situation) -> Turning | None:
     """Return what a turn in several moves asks for, if one is under way or begins now."""
-    is_stuck = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    due = any(event.kind is EventKind.NO_PROGRESS for event in situation.events)
+    is_stuck = due and not is_behind_queue(situation)
     return turn_round(
         situation.snapshot, situation.plan, situation.stop, situation.memory,
-        comes_over=situation.outlook.comes_over, is_stuck=is_stuck,
+        ground=situation.outlook.ground, is_stuck=is_stuck,
     )  # fmt: skip
 
 
@@ -175,7 +177,7 @@ def _with_room(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
 
 def _with_turn(situation: Situation, rules: Rules) -> tuple[Situation, Rules]:
     """Return both with the stop before a turn in several moves."""
-    stop = place_to_begin(situation.snapshot, situation.plan, situation.memory, situation.outlook.comes_over)
+    stop = place_to_begin(situation.snapshot, situation.plan, situation.memory, situation.outlook.ground)
     if stop is None or not turn_is_near(situation) or (situation.stop is not None and situation.stop.s < stop.s):
         return situation, rules
     return situation._replace(stop=stop), rules._replace(stops=(*rules.stops, (stop, decision_of(stop))))

@@ -9,7 +9,7 @@ import numpy as np
 
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Points
-from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, Hindered, Outlook
+from sumo_reactive.driver.nouns.forecast import FREE_GROUND, PATH_STEP_M, Hindered, Outlook, TurningGround
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
@@ -29,8 +29,8 @@ def outlook(
     *, looks_around: bool = False,
 ) -> Outlook:  # fmt: skip
     """Return the forecast of all whom the ego could meet on its way (of all in sight, if it looks far), the lanes
-    beside it and the queues there if there is anybody to pass, and who comes over the ground of a turn in several moves;
-    and whom an ego that does not get on and `looks_around` may keep from going."""
+    beside it and the queues there if there is anybody to pass, and who is in the way of a turn in several moves; and whom
+    an ego that does not get on and `looks_around` may keep from going."""
     front, p = snapshot.front, limits.parameters
     users, duration = _concerned(snapshot), p.assessed_s
     if traffic.sight > 0.0:
@@ -42,10 +42,10 @@ def outlook(
     width = graph.lanes[here.lane_id].width if here else 0.0
     hinders = plan.aside is not None or slowest < SLOWER_SHARE * road
     waiting = queues(traffic, snapshot, plan, here, graph) if hinders and here is not None else ()
-    comes_over = who_comes_over(traffic.users, snapshot, plan, graph, limits) if plan.turnarounds else ""
+    ground = ground_of(traffic.users, snapshot, plan, graph, limits)
     sight = max(traffic.sight, ATTENTION_MIN_AHEAD_M)
     hindered = tuple(hindered_by(traffic.users, snapshot, graph, limits)) if looks_around else ()
-    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, comes_over, hindered)
+    return Outlook(foresee(graph, users, duration), beside, width, sight, waiting, ground, hindered)
 
 
 def _concerned(snapshot: Snapshot) -> tuple[RoadUser, ...]:
@@ -100,17 +100,49 @@ _POSE_STEP_M = 0.5
 """Poses of a move are looked at this far apart."""
 
 
-def who_comes_over(
+CRAWLING_SPEED = 3.0
+"""m/s; who is slower may stop at once…"""
+
+CRAWLING_ON_S = 1.0
+"""…after the way of this time, and what it takes him to brake."""
+
+QUEUE_GAP_M = 2.5
+"""Who comes up behind somebody stops this far behind him (SUMO's minGap)."""
+
+
+def ground_of(
     users: tuple[RoadUser, ...], snapshot: Snapshot, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits
+) -> TurningGround:
+    """Return who keeps the ego from the turn in several moves that it is about to begin."""
+    turn = next((one for one in plan.turnarounds if snapshot.front < one.end), None)
+    if turn is None or snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
+        return FREE_GROUND
+    return TurningGround(_who_comes_over(users, snapshot, turn, graph, limits), _who_stays(users, turn, limits))
+
+
+def _who_stays(users: tuple[RoadUser, ...], turn: Turnaround, limits: VehicleLimits) -> str:
+    """Return whose rear will still be where a turn ends, on the lane turned into (empty: nobody's): he keeps his speed until
+    he comes up behind the next one, and who crawls may stop at once."""
+    needed, ahead, braking = turn.into + SAFE_GAP_M, math.inf, limits.comfort_deceleration
+    there = [user for user in users if user.lane_id == turn.to_lane and not user.body.is_person]
+    for user in sorted(there, key=lambda one: -one.lane_position):
+        speed = user.speed
+        stops_in = speed * (CRAWLING_ON_S + 0.5 * speed / braking) if speed < CRAWLING_SPEED else math.inf
+        front = min(user.lane_position + min(speed * turn.duration, stops_in), ahead - QUEUE_GAP_M)
+        ahead = max(front, user.lane_position) - user.body.length
+        if ahead < needed:
+            return user.id
+    return ""
+
+
+def _who_comes_over(
+    users: tuple[RoadUser, ...], snapshot: Snapshot, turn: Turnaround, graph: RoadGraph, limits: VehicleLimits
 ) -> str:
-    """Return who will drive over the ground of the turn that the ego is about to begin, before it has ended (empty: nobody).
+    """Return who will drive over the ground of a turn that the ego begins now, before it has ended (empty: nobody).
 
     The regions of the connection tell about those whom SUMO's map lets cross it, and who is behind the ego waits; others may
     come by ways that touch the map's path of the turn nowhere, but the moves.
     """
-    turn = next((one for one in plan.turnarounds if snapshot.front < one.end), None)
-    if turn is None or snapshot.ego.speed >= STANDING_SPEED or turn.start - snapshot.front > TURNAROUND_REACHED_M:
-        return ""
     known = {foe.user.id for foe in snapshot.foes}
     ground = swept_ground(turn, snapshot.ego, limits)
     own_road = graph.lanes[turn.from_lane].edge_id

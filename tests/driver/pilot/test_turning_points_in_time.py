@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Instruction, Reason
 from sumo_reactive.driver.nouns.event import Event, EventKind
-from sumo_reactive.driver.nouns.forecast import Queue, Queued
+from sumo_reactive.driver.nouns.forecast import FREE_GROUND, Queue, Queued, TurningGround
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, ParallelLane, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
@@ -142,10 +142,10 @@ def begins(away: float = 1.0, speed: float = 0.0, stop: float | None = None, sto
     )  # fmt: skip
     memory = PilotMemory() if stood is None else PilotMemory(standing_since=ego.time - stood)
     place = None if stop is None else stop_at(start + stop, Reason.RED_LIGHT)
-    plan, over = replace(ego.plan, turnarounds=(turn,)), "" if stood is None else "x"
+    plan, over = replace(ego.plan, turnarounds=(turn,)), FREE_GROUND if stood is None else TurningGround(comes_over="x")
     reason = place_to_begin(ego.seen(), plan, memory, over).reason
     assert reason is (Reason.COMES_OVER if stood is not None and stood < USUAL.turnaround_patience_s else Reason.NARROW_TURN)
-    return turn_round(ego.seen(), plan, place, memory, comes_over=over) is not None
+    return turn_round(ego.seen(), plan, place, memory, ground=over) is not None
 
 
 BRAKING = 6.0**2 / (2.0 * CAR.comfort_deceleration)

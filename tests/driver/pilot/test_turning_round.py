@@ -11,13 +11,15 @@ from sumo_reactive.driver.controller import Controller, replanned
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.constraint import stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Reason
+from sumo_reactive.driver.nouns.forecast import TurningGround
 from sumo_reactive.driver.nouns.plan import MOVE_BACK_SPEED, MOVE_SPEED, WHEELS_TURNED_RAD, Move, Turnaround
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.behaviours.turning_round import place_to_begin, turn_round
+from sumo_reactive.driver.pilot.behaviours.turning_round import is_behind_queue, place_to_begin, turn_round
 
 STREET = ("eastbound", "eastbound_out")
-LOCK = 0.6
+LOCK, PATIENCE_S = 0.6, USUAL.queue_patience_s
+COMING, STAYING = TurningGround(comes_over="x"), TurningGround(stays="x")
 
 
 def turning(away: float = 30.0, speed: float = 8.0):
@@ -113,7 +115,7 @@ def test_the_ego_makes_its_full_stop_where_it_turns_round():
 
 def test_an_ego_that_is_kept_from_a_move_for_long_goes_on_in_one_sweep():
     ego, _ = turning(1.0, 0.0)
-    blocker = ego.ahead("x", 0.6, 0.0)
+    blocker = ego.ahead("x", 0.6, 0.0, halted=True)
     steps = ego.driven(30.0, blocker)
     asked = [step.completed for step in steps if step.completed.request.what is Replanning.CURVE]
     assert asked
@@ -122,21 +124,41 @@ def test_an_ego_that_is_kept_from_a_move_for_long_goes_on_in_one_sweep():
     assert decision.behaviour is Behaviour.TURNING_ROUND
 
 
+@pytest.mark.parametrize(
+    ("halted", "stood", "waits"),
+    [(False, 30.0, True), (True, 30.0, False), (False, PATIENCE_S - 0.1, True), (False, PATIENCE_S, False)],
+)
+def test_in_a_move_the_ego_waits_behind_a_queue_but_not_for_ever(halted, stood, waits):
+    ego, _ = turning(1.0, 0.0)
+    ego = ego.remembering(move=(0, 0), standing_since=ego.time - stood)
+    situation = ego.considered(ego.ahead("x", 0.6, 0.0, halted=halted))
+    assert is_behind_queue(situation) is waits
+    assert not is_behind_queue(ego.considered())
+
+
 def test_who_comes_over_the_ground_is_let_pass_but_not_for_ever():
     ego, turn = turning(1.0, 0.0)
     snapshot = ego.seen()
     assert turn_round(snapshot, ego.plan, None, ego.memory) is not None
-    assert turn_round(snapshot, ego.plan, None, ego.memory, comes_over="x") is None
-    stop = place_to_begin(snapshot, ego.plan, ego.memory, "x")
+    assert turn_round(snapshot, ego.plan, None, ego.memory, ground=COMING) is None
+    stop = place_to_begin(snapshot, ego.plan, ego.memory, COMING)
     assert (stop.s, stop.reason, stop.cause) == (turn.start, Reason.COMES_OVER, "x")
     patient = ego.memory._replace(standing_since=snapshot.time - USUAL.turnaround_patience_s)
-    assert turn_round(snapshot, ego.plan, None, patient, comes_over="x") is not None
+    assert turn_round(snapshot, ego.plan, None, patient, ground=COMING) is not None
+
+
+def test_who_stays_where_the_turn_ends_is_waited_for_as_long_as_he_does():
+    ego, turn = turning(1.0, 0.0)
+    patient = ego.memory._replace(standing_since=ego.time - 100.0)
+    stop = place_to_begin(ego.seen(), ego.plan, patient, STAYING)
+    assert (stop.s, stop.reason, stop.cause) == (turn.start, Reason.STAYS_THERE, "x")
+    assert turn_round(ego.seen(), ego.plan, None, patient, ground=STAYING) is None
 
 
 @pytest.mark.parametrize("is_blocked", [True, False])
 def test_a_turn_that_is_over_or_given_up_within_a_coarse_step_is_not_begun_anew_before_the_step_ends(is_blocked):
     ego, _ = turning(1.0, 0.0)
-    users = (ego.ahead("x", 0.6, 0.0),) if is_blocked else ()
+    users = (ego.ahead("x", 0.6, 0.0, halted=True),) if is_blocked else ()
     before_it, asks = next(pair for pair in pairwise(ego.driven(45.0, *users)) if pair[1].completed.awaits_plan)
     traffic = ego.traffic(*users)
     coarse = Controller(graph=ego.graph, limits=CAR).step(replace(traffic, time=asks.snapshot.time), before_it.drive, 1.0)

@@ -1,4 +1,4 @@
-"""Who comes over the ground that a turn in several moves needs."""
+"""Who comes over the ground that a turn in several moves needs, and who stays where it ends."""
 
 from dataclasses import replace
 
@@ -8,7 +8,8 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.plan import Move, Turnaround
-from sumo_reactive.driver.view.outlook import swept_ground, who_comes_over
+from sumo_reactive.driver.vehicle.safe_speed import SAFE_GAP_M
+from sumo_reactive.driver.view.outlook import CRAWLING_SPEED, QUEUE_GAP_M, ground_of, swept_ground
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6
@@ -32,7 +33,7 @@ def ego():
 
 
 def comes_over(ego, user):
-    return who_comes_over((user,), ego.seen(user), ego.plan, ego.graph, CAR)
+    return ground_of((user,), ego.seen(user), ego.plan, ego.graph, CAR).comes_over
 
 
 def oncoming(ego, gap, speed):
@@ -71,3 +72,36 @@ def test_who_will_come_from_behind_waits_himself(ego):
 def test_an_ego_that_still_drives_does_not_ask(ego):
     moving = ego.at_speed(5.0)
     assert comes_over(replace(moving, plan=ego.plan), ego.ahead("x", 20.0, 8.0)) == ""
+
+
+def there(ego, name, rear, speed):
+    """Somebody on the lane turned into with his rear `rear` m from its start."""
+    user = oncoming(ego, 0.0, speed)
+    return user._replace(id=name, lane_position=rear + user.body.length)
+
+
+NEEDED = 5.0 + SAFE_GAP_M
+
+
+@pytest.mark.parametrize(
+    ("rear", "speed", "stays"),
+    [
+        (NEEDED + 0.1, 0.0, False),
+        (NEEDED - 0.1, 0.0, True),
+        (NEEDED - 1.0, CRAWLING_SPEED - 0.1, False),
+        (NEEDED - 1.0, 0.5, True),  # he may stop at once
+        (0.0, CRAWLING_SPEED + 0.1, False),
+        (0.0, CRAWLING_SPEED - 0.1, True),
+    ],
+)
+def test_who_leaves_no_room_where_the_turn_ends_is_told(ego, rear, speed, stays):
+    user = there(ego, "x", rear, speed)
+    assert ground_of((user,), ego.seen(user), ego.plan, ego.graph, CAR).stays == ("x" if stays else "")
+
+
+@pytest.mark.parametrize(("room", "stays"), [(0.1, False), (-0.1, True)])
+def test_who_drives_up_to_somebody_who_stands_may_leave_no_room_behind_himself(ego, room, stays):
+    driver = there(ego, "driver", 1.0, 8.0)
+    stander = there(ego, "stander", NEEDED + driver.body.length + QUEUE_GAP_M + room, 0.0)
+    users = driver, stander
+    assert ground_of(users, ego.seen(*users), ego.plan, ego.graph, CAR).stays == ("driver" if stays else "")

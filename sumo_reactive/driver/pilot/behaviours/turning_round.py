@@ -8,6 +8,7 @@ from typing import NamedTuple
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stop_at
 from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
+from sumo_reactive.driver.nouns.forecast import FREE_GROUND, TurningGround
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, Move, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
@@ -30,18 +31,20 @@ class Turning(NamedTuple):
 
 
 def place_to_begin(
-    snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, comes_over: str = ""
+    snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, ground: TurningGround = FREE_GROUND
 ) -> TimeConstraint | None:
     """Return where to stop for the next turn in several moves; None: there is none, or it is under way.
 
-    `comes_over`: who will drive over its ground; he is let pass, unless the ego has stood there for long.
+    Who comes over its `ground` is let pass, unless the ego has stood there for long; who stays where it ends is waited for.
     """
     number = None if memory.move is not None else _next(snapshot, plan)
     if number is None:
         return None
     start = plan.turnarounds[number].start
-    if comes_over and memory.standing_for(snapshot.time) < snapshot.parameters.turnaround_patience_s:
-        return stop_at(start, Reason.COMES_OVER, cause=comes_over)
+    if ground.stays:
+        return stop_at(start, Reason.STAYS_THERE, cause=ground.stays)
+    if ground.comes_over and memory.standing_for(snapshot.time) < snapshot.parameters.turnaround_patience_s:
+        return stop_at(start, Reason.COMES_OVER, cause=ground.comes_over)
     return stop_at(start, Reason.NARROW_TURN)
 
 
@@ -51,18 +54,18 @@ def turn_round(
     stop: TimeConstraint | None,
     memory: PilotMemory,
     *,
-    comes_over: str = "",
+    ground: TurningGround = FREE_GROUND,
     is_stuck: bool = False,
 ) -> Turning | None:
     """Return what the turn under way asks for, or one that begins now; None: the ego does not turn round.
 
     It begins when the ego stands where it is to begin, and nothing keeps it from where it ends: `stop` is the nearest other
-    place to stop at, and nobody `comes_over` its ground. One that `is_stuck`, for somebody stands in the way of a move, goes
+    place to stop at, and nobody is in its way on the `ground`. One that `is_stuck`, for somebody is in a move's way, goes
     on in one sweep.
     """
     if memory.move is None:
-        number, place = _next(snapshot, plan), place_to_begin(snapshot, plan, memory, comes_over)
-        if number is None or place is None or place.reason is Reason.COMES_OVER:
+        number, place = _next(snapshot, plan), place_to_begin(snapshot, plan, memory, ground)
+        if number is None or place is None or place.reason is not Reason.NARROW_TURN:
             return None
         if not _may_begin(snapshot, plan.turnarounds[number], stop):
             return None
@@ -105,6 +108,13 @@ def _driven(turn: Turnaround, stop: TimeConstraint | None, at: tuple[int, int], 
         return Turning(_move(turn, at[1], stop), decision, Request(), memory._replace(move=at))
     after = Request(what=Replanning.CURVE, onto=turn.to_lane, route_index=turn.route_index)
     return Turning(_move(turn, -1, stop), decision, after, memory._replace(move=None))
+
+
+def is_behind_queue(situation: Situation) -> bool:
+    """Whether who is in the way of a move will go on: he has not halted, nor has the ego stood for a light's cycle."""
+    x, snapshot = situation.ahead_of_ego, situation.snapshot
+    patience = snapshot.parameters.queue_patience_s
+    return x is not None and not x.user.is_halted and situation.memory.standing_for(snapshot.time) < patience
 
 
 def is_in_reach(snapshot: Snapshot, plan: NominalPlan) -> bool:

@@ -186,6 +186,7 @@ _STOPS_OF = {
     Reason.QUEUE_CHANGE: Behaviour.CHANGING_QUEUES,
     Reason.NARROW_TURN: Behaviour.TURNING_ROUND,
     Reason.COMES_OVER: Behaviour.TURNING_ROUND,
+    Reason.STAYS_THERE: Behaviour.TURNING_ROUND,
     Reason.MUTUAL_WAIT: Behaviour.GIVING_WAY,
 }
 """The behaviours that ask for stops; all others are made on the approach to an intersection."""
