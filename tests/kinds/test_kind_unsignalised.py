@@ -178,3 +178,11 @@ def test_the_ego_does_not_come_to_stand_behind_a_queue_where_the_oncoming_lane_l
     jam = car("jam", "bd de", 0, stop("bd_0", 9, until=14), departPos=2, departSpeed=0)
     run = driven(tmp_path, over_each_other(), car("ego", "ab bd de"), jam, car("on", "ed db ba", 2))
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("step", [0.1, 0.5])
+@pytest.mark.parametrize("late", [-1.5, -1.0, -0.5, 0.0, 0.5])
+def test_who_goes_first_and_will_brake_for_his_turn_is_not_followed_into_it_too_soon(tmp_path, late, step):
+    turner = car("x", "ec cn", 3.0 + late)
+    run = driven(tmp_path, cross(arm=150.0, speed=16.0), car("ego", "sc cn", 3.0, departSpeed=10), turner, step=step)
+    assert run.complaints() == []

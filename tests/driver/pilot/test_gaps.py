@@ -53,6 +53,22 @@ def test_who_stands_where_it_turns_round_is_in_the_regions_at_once():
     assert turning(to_start=TURNAROUND_REACHED_M, speed=0.0, acceleration=2.0, duration=20.0).arrival == 0.0
 
 
+@pytest.mark.parametrize(
+    ("speed", "to_line", "turn", "clears"),
+    [
+        (10.0, 25.0, 14.0, 3.8),  # he does not turn
+        (10.0, 25.0, 5.0, (2.5 + 5.0 / 4.5 - 7.5 / 9.0) + 13.0 / 5.0),  # he brakes to 5 m/s over 8.33 m before his line
+        (10.0, 3.0, 5.0, (10.0 - 73.0**0.5) / 4.5 + 13.0 / 73.0**0.5),  # he comes to it faster than he should: √(100 − 27)
+        (4.0, 25.0, 5.0, 9.5),
+        (10.0, -1.0, 5.0, 1.2),  # over his line he has the speed that he has
+    ],
+)
+def test_who_will_brake_for_his_turn_clears_the_region_later(speed, to_line, turn, clears):
+    one = foe(speed, to_line + 5.0)
+    turner = one._replace(conflict=replace_other(one.conflict, speed_limit=turn))
+    assert threat(turner, USUAL).clearance == pytest.approx(clears)
+
+
 @pytest.mark.parametrize(("speed", "arrival"), [(1.5, 4.0), (0.2, 12.0)])
 def test_a_pedestrian_keeps_its_pace_and_is_not_taken_for_slower_than_half_a_metre_a_second(speed, arrival):
     other = threat(foe(speed, 6.0, body=PERSON), USUAL)

@@ -93,8 +93,8 @@ def turning(to_start: float, speed: float, acceleration: float, duration: float)
 
 
 def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaining: float = 0.0) -> Threat:
-    """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind, unless
-    it is seen to be `gaining` speed (m/s²) as it leaves."""
+    """Foresee a foe: it may speed up on the way to the region (not if it `expects_ego`), and keeps its speed behind, but for
+    its turn, unless it is seen to be `gaining` speed (m/s²) as it leaves."""
     user = foe.user
     if user.body.is_person:
         pace = max(user.speed, 0.5)
@@ -106,13 +106,24 @@ def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaini
     if gaining > 0.0 and slow < fast:
         clearance, merged = (travel_time(way, slow, gaining, fast) for way in (foe.to_clear, to_merged))
     else:
-        clearance, merged = foe.to_clear / slow, to_merged / slow
+        clearance, merged = _into_its_turn(foe, foe.to_clear), _into_its_turn(foe, to_merged)
     arrival = travel_time(foe.to_region, user.speed, parameters.foe_acceleration, max(top, STANDING_SPEED))
     return Threat(
         arrival=arrival if expects_ego else min(arrival, _over_the_road(foe, parameters)),
         clearance=clearance,
         merged=merged,
     )
+
+
+def _into_its_turn(foe: Foe, way: float) -> float:
+    """When a foe that keeps its speed, but brakes for its turn as late and hard as cars usually can, has gone `way` m, s."""
+    to_line, speed, turn = foe.to_stop_line, max(foe.user.speed, STANDING_SPEED), foe.conflict.other.speed_limit
+    if not 0.0 < to_line < way or speed <= turn:
+        return way / speed
+    brakes = FEARED_DECELERATION
+    at_line = max(turn, math.sqrt(max(speed * speed - 2.0 * brakes * to_line, 0.0)))
+    braking = (speed - at_line) / brakes
+    return braking + (to_line - 0.5 * (speed + at_line) * braking) / speed + (way - to_line) / at_line
 
 
 def _over_the_road(foe: Foe, parameters: Parameters) -> float:
