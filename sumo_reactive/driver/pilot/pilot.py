@@ -85,8 +85,7 @@ def decide(
     out. 5. Adjust the time constraints. 6. Note what the decision rests on.
     """
     snapshot, plan = view.snapshot, view.plan
-    memory = memory.with_lights(snapshot.lights, snapshot.time).with_released(*released(snapshot, view.ways, memory))
-    memory = memory._replace(kept=kept_waiting(snapshot, memory))
+    memory = _brought_up_to_date(view, memory)
     situation = _considered(view, outlook, events, memory)
     behaviour = next_behaviour(situation)
     wishes = situation.changing.wishes
@@ -113,6 +112,13 @@ def decide(
     settled = completed.stop is not None and completed.stop.reason in _SETTLED and snapshot.ego.speed < STANDING_SPEED
     premises = premises_of(view, completed, memory, asked, looks_beside_s=again, is_settled=settled)
     return completed, memory._replace(behaviour=behaviour, premises=premises)
+
+
+def _brought_up_to_date(view: View, memory: PilotMemory) -> PilotMemory:
+    """Return the memory of what lights have shown, and of whom others have kept waiting, until now."""
+    snapshot = view.snapshot
+    memory = memory.with_lights(snapshot.lights, snapshot.time).with_released(*released(snapshot, view.ways, memory))
+    return memory._replace(kept=kept_waiting(snapshot, memory))
 
 
 def _considered(view: View, outlook: Outlook, events: tuple[Event, ...], memory: PilotMemory) -> Situation:
