@@ -14,6 +14,12 @@ from numpy.typing import NDArray
 TWO_WHEELER_WIDTH_M = 1.2
 """A narrower vehicle is one."""
 
+QUEUED_SPEED = 3.0
+"""m/s; who is slower than this crawls in a queue, and may stop at once."""
+
+FOLLOWER_STANDSTILL_GAP_M = 2.5
+"""A follower keeps this gap at standstill (SUMO's minGap)."""
+
 NO_POINTS: NDArray[np.float64] = np.empty((0, 2))
 """No static obstacle."""
 

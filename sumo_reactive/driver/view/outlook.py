@@ -13,7 +13,7 @@ from sumo_reactive.driver.nouns.forecast import FREE_GROUND, PATH_STEP_M, Hinder
 from sumo_reactive.driver.nouns.plan import TURNAROUND_REACHED_M, NominalPlan, Turnaround
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, Pose, VehicleState
-from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, QUEUED_SPEED, RoadUser, Traffic
 from sumo_reactive.driver.vehicle.bicycle import advance_pose
 from sumo_reactive.driver.vehicle.body import box_of, own_box
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -100,14 +100,8 @@ _POSE_STEP_M = 0.5
 """Poses of a move are looked at this far apart."""
 
 
-CRAWLING_SPEED = 3.0
-"""m/s; who is slower may stop at once…"""
-
 CRAWLING_ON_S = 1.0
-"""…after the way of this time, and what it takes him to brake."""
-
-QUEUE_GAP_M = 2.5
-"""Who comes up behind somebody stops this far behind him (SUMO's minGap)."""
+"""Who crawls may stop after the way of this time, and what it takes him to brake."""
 
 
 def ground_of(
@@ -127,8 +121,8 @@ def _who_stays(users: tuple[RoadUser, ...], turn: Turnaround, limits: VehicleLim
     there = [user for user in users if user.lane_id == turn.to_lane and not user.body.is_person]
     for user in sorted(there, key=lambda one: -one.lane_position):
         speed = user.speed
-        stops_in = speed * (CRAWLING_ON_S + 0.5 * speed / braking) if speed < CRAWLING_SPEED else math.inf
-        front = min(user.lane_position + min(speed * turn.duration, stops_in), ahead - QUEUE_GAP_M)
+        stops_in = speed * (CRAWLING_ON_S + 0.5 * speed / braking) if speed < QUEUED_SPEED else math.inf
+        front = min(user.lane_position + min(speed * turn.duration, stops_in), ahead - FOLLOWER_STANDSTILL_GAP_M)
         ahead = max(front, user.lane_position) - user.body.length
         if ahead < needed:
             return user.id

@@ -9,11 +9,10 @@ from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.nouns.plan import MOVE_SPEED, TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import Body, RoadUser
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, Body, RoadUser
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.rules.gaps import (
     FEARED_DECELERATION,
-    FOLLOWER_STANDSTILL_GAP_M,
     Passing,
     Threat,
     gap_for_follower,

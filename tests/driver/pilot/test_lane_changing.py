@@ -8,11 +8,11 @@ from helpers.situations import Situation, before
 
 from sumo_reactive.driver.nouns.completed_plan import Replanning
 from sumo_reactive.driver.nouns.decision import Behaviour, Reason
-from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, RoadUser
 from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seek_gap, seeks
-from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M, gap_for_follower
+from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.world.route import Route
 
 TO_THE_EXIT = ("road_in", "road_before_exit", "exit")

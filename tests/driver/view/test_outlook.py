@@ -8,8 +8,9 @@ from helpers.cars import CAR
 from helpers.situations import before
 
 from sumo_reactive.driver.nouns.plan import Move, Turnaround
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, QUEUED_SPEED
 from sumo_reactive.driver.vehicle.safe_speed import SAFE_GAP_M
-from sumo_reactive.driver.view.outlook import CRAWLING_SPEED, QUEUE_GAP_M, ground_of, swept_ground
+from sumo_reactive.driver.view.outlook import ground_of, swept_ground
 
 STREET = ("eastbound", "eastbound_out")
 LOCK = 0.6
@@ -88,10 +89,10 @@ NEEDED = 5.0 + SAFE_GAP_M
     [
         (NEEDED + 0.1, 0.0, False),
         (NEEDED - 0.1, 0.0, True),
-        (NEEDED - 1.0, CRAWLING_SPEED - 0.1, False),
+        (NEEDED - 1.0, QUEUED_SPEED - 0.1, False),
         (NEEDED - 1.0, 0.5, True),  # he may stop at once
-        (0.0, CRAWLING_SPEED + 0.1, False),
-        (0.0, CRAWLING_SPEED - 0.1, True),
+        (0.0, QUEUED_SPEED + 0.1, False),
+        (0.0, QUEUED_SPEED - 0.1, True),
     ],
 )
 def test_who_leaves_no_room_where_the_turn_ends_is_told(ego, rear, speed, stays):
@@ -102,6 +103,6 @@ def test_who_leaves_no_room_where_the_turn_ends_is_told(ego, rear, speed, stays)
 @pytest.mark.parametrize(("room", "stays"), [(0.1, False), (-0.1, True)])
 def test_who_drives_up_to_somebody_who_stands_may_leave_no_room_behind_himself(ego, room, stays):
     driver = there(ego, "driver", 1.0, 8.0)
-    stander = there(ego, "stander", NEEDED + driver.body.length + QUEUE_GAP_M + room, 0.0)
+    stander = there(ego, "stander", NEEDED + driver.body.length + FOLLOWER_STANDSTILL_GAP_M + room, 0.0)
     users = driver, stander
     assert ground_of(users, ego.seen(*users), ego.plan, ego.graph, CAR).stays == ("driver" if stays else "")

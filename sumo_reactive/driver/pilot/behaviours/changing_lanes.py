@@ -16,10 +16,10 @@ from sumo_reactive.driver.nouns.plan import (
 )
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import RoadUser
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, RoadUser
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.passages import Crossing
-from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M, gap_for_follower
+from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S

@@ -10,13 +10,13 @@ from sumo_reactive.driver.nouns.forecast import Outlook, Queue, Queued
 from sumo_reactive.driver.nouns.plan import NominalPlan, ParallelLane
 from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
+from sumo_reactive.driver.nouns.traffic import QUEUED_SPEED
 from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE_LENGTH_M, leaves_gap, pending_change
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing, View
 from sumo_reactive.driver.pilot.rules.lights import letter_of
-from sumo_reactive.driver.pilot.rules.post_conflict import QUEUED_SPEED
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S

@@ -9,16 +9,13 @@ from sumo_reactive.driver.nouns.decision import Behaviour, Decision, Reason
 from sumo_reactive.driver.nouns.plan import MOVE_SPEED, TURNAROUND_REACHED_M
 from sumo_reactive.driver.nouns.snapshot import Foe
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M
 from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.vehicle.travel_time import travel_time
 from sumo_reactive.driver.world.regions import ConflictKind
 
 FEARED_DECELERATION = 4.5
 """m/s²; a follower keeps clear of somebody ahead who may brake so: what SUMO's default car does in normal driving."""
-
-FOLLOWER_STANDSTILL_GAP_M = 2.5
-"""A follower keeps this gap at standstill (SUMO's minGap)."""
-
 
 def gap_for_follower(speed: float, ahead: float, headway: float, braking: float) -> float:
     """Least gap (m) in which a follower at `speed` feels safe behind somebody who comes before it at speed `ahead` (m/s).

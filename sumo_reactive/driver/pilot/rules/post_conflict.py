@@ -11,15 +11,12 @@ from sumo_reactive.driver.nouns.decision import Occupancy, PostConflictState, Re
 from sumo_reactive.driver.nouns.plan import CALL_OFF_SHARE, NominalPlan
 from sumo_reactive.driver.nouns.snapshot import PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, QUEUED_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing
-from sumo_reactive.driver.pilot.rules.gaps import FOLLOWER_STANDSTILL_GAP_M
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.vehicle.travel_time import travel_time
-
-QUEUED_SPEED = 3.0
-"""m/s; who is slower than this before the line is in the queue."""
 
 _LIGHTS = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT)
 

@@ -14,20 +14,12 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.decision import Reason
 from sumo_reactive.driver.nouns.snapshot import Conflict, Foe, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
-from sumo_reactive.driver.nouns.traffic import TWO_WHEELER_WIDTH_M, RoadUser
+from sumo_reactive.driver.nouns.traffic import FOLLOWER_STANDSTILL_GAP_M, QUEUED_SPEED, TWO_WHEELER_WIDTH_M, RoadUser
 from sumo_reactive.driver.pilot.assessment import leader_table, passing, simulate, way_of, would_meet
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import REGION_MARGIN_M, WAIT_SHIFT_M, Crossing, View
-from sumo_reactive.driver.pilot.rules.gaps import (
-    FOLLOWER_STANDSTILL_GAP_M,
-    Judgement,
-    Passing,
-    follows_at,
-    threat,
-    turning,
-)
+from sumo_reactive.driver.pilot.rules.gaps import Judgement, Passing, follows_at, threat, turning
 from sumo_reactive.driver.pilot.rules.lights import holds_back, letter_of, outranks
-from sumo_reactive.driver.pilot.rules.post_conflict import QUEUED_SPEED
 from sumo_reactive.driver.pilot.rules.trust import (
     WAIT_INTO_M,
     gives_way,
