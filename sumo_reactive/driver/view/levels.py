@@ -40,12 +40,12 @@ def _crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, .
     """Return where lanes cross C on another level, by lane id, m of their spines."""
     curve, found = plan.curve, dict[str, tuple[float, ...]]()
     points, last = np.column_stack((curve.x, curve.y)), len(curve.x) - 1
-    ends = [int(segment.start / curve.step) + 1 for segment in plan.segments[1:]]
+    ends = [min(int(segment.start / curve.step) + 1, last) for segment in plan.segments[1:]]
     for segment, end in zip(plan.segments, (*ends, last), strict=True):
         first, own = max(int(segment.start / curve.step), 0), graph.lanes[segment.lane_id]
-        if first >= min(end, last):
+        if first >= end:
             continue
-        way = shapely.linestrings(points[first : min(end, last) + 1])
+        way = shapely.linestrings(points[first : end + 1])
         for lane in graph.lanes_crossing(way):
             if own.edge_id != lane.edge_id and not _junctions(graph, own) & _junctions(graph, lane):
                 places = tuple(_places_across(way, curve.heading[first:], curve.step, lane))

@@ -16,7 +16,7 @@ from sumo_reactive.driver.pilot.behaviours.changing_lanes import MIN_LANE_CHANGE
 from sumo_reactive.driver.pilot.behaviours.normal import follow_curve
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Crossing, View
-from sumo_reactive.driver.pilot.rules.lights import letter_of
+from sumo_reactive.driver.pilot.rules.lights import SHUT, letter_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
@@ -56,7 +56,7 @@ _NEAR_HEAD_M = 12.0
 def released(snapshot: Snapshot, ways: tuple[Crossing, ...], memory: PilotMemory) -> tuple[str, float]:
     """Return by which connection the ego may go next as far as its light is concerned (empty: by none), since when (s)."""
     way = _next_way(snapshot, ways)
-    if way is None or letter_of(way.connection, snapshot) in ("r", "R", "u", "y", "Y"):
+    if way is None or letter_of(way.connection, snapshot) in SHUT:
         return "", snapshot.time
     return memory.released if memory.released[0] == way.connection.id else (way.connection.id, snapshot.time)
 

@@ -9,7 +9,7 @@ from sumo_reactive.driver.nouns.snapshot import Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import Ahead
-from sumo_reactive.driver.pilot.rules.lights import letter_of
+from sumo_reactive.driver.pilot.rules.lights import SHUT, letter_of
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Situation
 
 AT_LANE_END_M = 5.0
@@ -47,7 +47,7 @@ def _waits_to_turn_round(snapshot: Snapshot, plan: NominalPlan, memory: PilotMem
 def _is_red(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> bool:
     """Whether the light before the next junction shows red, or yellow, to who takes the plan's way there."""
     way = next((connection for i, connection, _ in ahead if plan.passages[i].start > snapshot.front), None)
-    return way is not None and letter_of(way, snapshot) in tuple("rRuyY")
+    return way is not None and letter_of(way, snapshot) in SHUT
 
 
 def is_missed(snapshot: Snapshot, stop: TimeConstraint | None, memory: PilotMemory) -> bool:

@@ -17,6 +17,7 @@ from sumo_reactive.driver.world.regions import ConflictKind
 FEARED_DECELERATION = 4.5
 """m/s²; a follower keeps clear of somebody ahead who may brake so: what SUMO's default car does in normal driving."""
 
+
 def gap_for_follower(speed: float, ahead: float, headway: float, braking: float) -> float:
     """Least gap (m) in which a follower at `speed` feels safe behind somebody who comes before it at speed `ahead` (m/s).
 

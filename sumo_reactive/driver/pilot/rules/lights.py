@@ -12,7 +12,7 @@ ON_LINE_M = 0.05
 """A front bumper no farther over a line than this is at it: a car inserted at the very end of its lane, or one that has
 stopped there, has not passed its light. SUMO's lanes and C agree to less."""
 
-SHUT = "rRuyY"
+SHUT = frozenset("rRuyY")
 """Letters at which nobody begins to cross the line who can still stop."""
 
 
@@ -72,7 +72,7 @@ def outranks(letter: str, other: str) -> bool:
 def holds_back(letter: str, to_line: float, speed: float, shut_for: float, hardest: float, bearable: float) -> bool:
     """Whether a light that has not been green for `shut_for` s keeps another car, `to_line` m before its line at `speed`
     m/s, out of the junction: where a `bearable` braking (m/s²) sufficed when it came on, and its `hardest` does now."""
-    if to_line < 0.0 or not letter or letter not in SHUT:
+    if to_line < 0.0 or letter not in SHUT:
         return False
     seen_from = to_line + speed * shut_for
     return speed * speed <= 2.0 * min(bearable * max(seen_from, 0.5), hardest * max(to_line, 0.5))
