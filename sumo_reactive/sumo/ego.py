@@ -88,7 +88,7 @@ class Ego:
         self._refuse_oncoming_side()
         self.route = self._read_route(says_arrival)
         self._standing = 0.0
-        self._unmapped = False
+        self._unmapped = self._was_beside = False
         self._let_go: dict[str, str] = {}
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
@@ -202,25 +202,32 @@ class Ego:
             vehicle.moveTo(self.id, lane.id, position)
 
     def _keep_in_order(self) -> None:
-        """Have SUMO sort the ego in anew where it has passed somebody on its lane, as soon as he need not brake for it.
+        """Have SUMO sort the ego in anew where it has passed somebody on its lane, as soon as he need not brake for it; and
+        behind him until then, where SUMO comes to see it on its lane again.
 
         SUMO keeps the vehicles of a lane in the order in which they came and does not look whether one that is moved from
         outside has passed another: who has been passed would go on without a leader, and drive into the ego. Only a move
         over another lane sorts it in.
         """
-        vehicle = libsumo.vehicle
+        vehicle, lane_id, is_back = libsumo.vehicle, libsumo.vehicle.getLaneID(self.id), self._was_beside
+        self._was_beside = not lane_id
         ahead = vehicle.getLeader(self.id, _SAME_LANE_M)  # looks no farther than that beyond the lane
-        if not ahead or ahead[1] > -self.limits.length:
+        has_passed = bool(ahead) and ahead[1] <= -self.limits.length and vehicle.getLaneID(ahead[0]) == lane_id
+        if not lane_id or lane_id.startswith(":") or not (is_back or has_passed):
             return
-        other, lane_id, position = ahead[0], vehicle.getLaneID(self.id), vehicle.getLanePosition(self.id)
-        if not lane_id or lane_id.startswith(":") or vehicle.getLaneID(other) != lane_id:
-            return
-        gap = position - self.limits.length - vehicle.getLanePosition(other) - vehicle.getMinGap(other)
-        is_slower = vehicle.getSpeed(self.id) < vehicle.getSpeed(other)
-        over = self._another_lane()
-        if over and gap > (0.0 if is_slower else vehicle.getSpeed(other) * vehicle.getTau(other)):
+        position, others = vehicle.getLanePosition(self.id), libsumo.lane.getLastStepVehicleIDs(lane_id)
+        near = [vehicle.getLanePosition(one) for one in others if self._is_near_behind(one, position)]
+        over = self._another_lane() if bool(near) is not has_passed else ""
+        if over:
             vehicle.moveTo(self.id, over, 0.0)
-            vehicle.moveTo(self.id, lane_id, position)
+            vehicle.moveTo(self.id, lane_id, max(0.0, min(near) - _BEFORE_END_M) if near else position)
+
+    def _is_near_behind(self, other: str, position: float) -> bool:
+        """Whether somebody on the lane is behind the front of the ego, at `position` (m), and would have to brake for it."""
+        vehicle, at = libsumo.vehicle, libsumo.vehicle.getLanePosition(other)
+        gap = position - self.limits.length - at - vehicle.getMinGap(other)
+        is_slower = vehicle.getSpeed(self.id) < vehicle.getSpeed(other)
+        return bool(at < position and gap <= (0.0 if is_slower else vehicle.getSpeed(other) * vehicle.getTau(other)))
 
     def _another_lane(self) -> str:
         """Return a lane of the route's next edge or the one before; empty when there is no other edge."""

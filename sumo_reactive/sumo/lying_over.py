@@ -32,9 +32,10 @@ def lane_lain_over(by: Occupant, s: float, edges: tuple[str, ...], shown: str = 
     """Return where to show an ego whose body lies over a lane on which SUMO does not have it, nor is it `shown` there: the
     one that it covers most; None: it is within its lanes. `s`: where its front axle is, m of C; `edges`: its route.
 
-    Beside its own lane it is shown driving along. On a lane of others who come towards it or from aside, it is shown as
-    something that stands on the stretch that is covered, where nobody is yet nor would have to brake hard for it: nobody
-    there would else look at it, nor would SUMO keep from putting somebody there.
+    Beside its own lane it is shown driving along; where it passes somebody, not before he need not brake for it. On a lane
+    of others who come towards it or from aside, it is shown as something that stands on the stretch that is covered, where
+    nobody is yet nor would have to brake hard for it: nobody there would else look at it, nor would SUMO keep from putting
+    somebody there.
     """
     front = s + by.limits.front_overhang
     ends = by.here, segment_at(by.plan, front - by.limits.length)
@@ -52,7 +53,8 @@ def lane_lain_over(by: Occupant, s: float, edges: tuple[str, ...], shown: str = 
         return None
     lane, along, area = found
     if along is not None:
-        return OccupiedLane(lane, *by.front, by.ego.speed, edges[along.route_index :])
+        passes = by.plan.aside is not None
+        return OccupiedLane(lane, *by.front, by.ego.speed, edges[along.route_index :], waits=passes, is_early=passes)
     reach = lane.spine.arc_lengths_at(shapely.get_coordinates(area))
     first, last = float(reach.min()), min(float(reach.max()), lane.spine.length - _BEFORE_GOAL_M)
     if last <= first:

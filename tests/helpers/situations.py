@@ -112,7 +112,7 @@ class Situation:
 
     def passing(self, user_id: str, instruction: Instruction = Instruction.OVERTAKE) -> Situation:
         """Return the situation of an ego that is about to overtake somebody."""
-        return self.remembering(overtaking=Overtaking(user_id, self.time, instruction))
+        return self.remembering(overtaking=Overtaking((user_id,), self.time, instruction))
 
     def remembering(self, **what) -> Situation:
         """Return the situation of a pilot that remembers this too."""

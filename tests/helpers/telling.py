@@ -47,7 +47,7 @@ def _orders(completed: CompletedPlan, origin: float) -> list[str]:
     if request.what is not Replanning.NOTHING:
         lines.append(_words("asks for", request.what.name, request.change_lane, request.onto, request.route_index))
     if aside is not None:
-        lines.append(_words("leads", aside.lateral, "beside", aside.user_id, aside.back - origin, aside.until - origin))
+        lines.append(_words("leads", aside.lateral, "aside", aside.back - origin, aside.until - origin))
     if completed.sight:
         lines.append(_words("looks", completed.sight))
     if completed.move is not None:
@@ -97,7 +97,8 @@ def _rests_on(memory: PilotMemory) -> list[str]:
 def _under_way(memory: PilotMemory) -> list[object]:
     """Return since when or up to when what lasts lasts."""
     found = {"waits since": memory.waiting_since, "serves until": memory.serving_until, "move": memory.move}
-    passing = ["passing", *memory.overtaking[:2], memory.overtaking.instruction.name] if memory.overtaking else []
+    under_way = memory.overtaking
+    passing = ["passing", *under_way.user_ids, under_way.since, under_way.instruction.name] if under_way else []
     return [*passing, *(word for name, value in found.items() if value is not None for word in (name, value))]
 
 

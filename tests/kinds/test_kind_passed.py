@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
-from kinds import Net, Witness, car, edge, node, program, situation, sort
+from kinds import Net, Witness, car, driven, edge, node, program, situation, sort, stream
 
 from sumo_reactive.lab.simulation import run_trial
 
@@ -21,3 +23,48 @@ def test_who_has_been_passed_stops_behind_the_ego(tmp_path, step):
     assert "overtaking" in behaviours
     assert result.verdict == "arrived without a violation"
     assert witness.touched == {}
+
+
+TWO_WAY = ("--no-turnarounds", "--opposites.guess")
+"""SUMO's own driver may overtake on the oncoming lane, too."""
+
+
+def two_way_road(length: float, bend: float = 0.0, speed: float = 13.9) -> Net:
+    """Return a two-way road of `length` m and 200 m on, its middle node `bend` m aside."""
+    nodes = node("a", 0, 0) + node("b", length, bend) + node("c", length + 200, 0)
+    return Net(nodes, "".join(edge(ends, speed=speed) for ends in ("ab", "ba", "bc", "cb")), options=TWO_WAY)
+
+
+@pytest.mark.parametrize(
+    ("slow", "number", "gap"), [("tractor", 1, 4), ("tractor", 3, 12), ("cyclist", 3, 4), ("cyclist", 5, 4)]
+)
+@pytest.mark.parametrize("speed", [1, 4])
+def test_slow_ones_who_leave_no_gap_are_passed_in_one_go_and_need_not_brake(tmp_path, slow, number, gap, speed):
+    length = {"tractor": 4.7, "cyclist": 1.6}[slow]
+    small = {"vClass": "bicycle", "length": 1.6, "width": 0.65}
+    sorts = sort("tractor", maxSpeed=speed, sigma=0), sort("cyclist", maxSpeed=speed, sigma=0, **small)
+    places = [60 + i * (gap + length) for i in range(number)]
+    column = [car(f"t{i}", "ab bc", type=slow, departPos=at, departSpeed=speed) for i, at in enumerate(places)]
+    run = driven(tmp_path, two_way_road(900), *sorts, *column, car("ego", "ab bc", 1), until=300)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize(("seed", "step"), [(1, 1.0), (6, 1.0), (8, 0.1), (10, 0.1), (11, 0.1), (37, 0.1), (68, 1.0)])
+def test_nobody_is_touched_where_slow_ones_are_passed_among_those_who_come_towards_the_ego(tmp_path, seed, step):
+    drawn = random.Random(seed)
+    length, speed = drawn.choice([400, 900, 1500]), drawn.choice([8.3, 13.9, 16.7])
+    net = two_way_road(length, drawn.choice([0, 80]), speed)
+    sorts = (
+        sort("s0", maxSpeed=drawn.uniform(0.8, 5)),
+        sort("s1", vClass="bicycle", length=1.6, width=0.65, maxSpeed=drawn.uniform(2, 6)),
+        sort("s2", vClass="truck", length=drawn.choice([8, 12]), width=2.4, maxSpeed=drawn.uniform(1, 6)),
+    )
+    at, slow = 40.0, []
+    for i in range(drawn.randint(1, 5)):
+        kind = drawn.choice(["s0", "s1", "s2"])
+        at += drawn.uniform(3, 25) + (12 if kind == "s2" else 5)
+        slow.append(car(f"t{i}", "ab bc", type=kind, departPos=at, departSpeed=0.8))
+    every = drawn.choice([8, 15, 30])
+    oncoming = stream("o", "cb ba", [i * every + drawn.uniform(0, 5) for i in range(600 // every)])
+    run = driven(tmp_path, net, *sorts, *slow, oncoming, car("ego", "ab bc", 1), until=700, step=step)
+    assert run.complaints(slower=10.0) == []

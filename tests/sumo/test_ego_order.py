@@ -50,6 +50,7 @@ SORTED_IN = [("ego", "e_2", 0.0), ("ego", "w_0", 30.0)]
 def test_an_ego_that_has_passed_somebody_is_sorted_in_as_soon_as_he_need_not_brake(monkeypatch, said, is_sorted):
     ego, vehicle = scripted(monkeypatch)
     vehicle.answers |= said
+    libsumo.lane.answers |= {"getLastStepVehicleIDs": {"w_0": ("ego", "other")}}
     ego.place(state_at(ego), Intent.DRIVE, 0.1, None)
     assert moved(vehicle) == (SORTED_IN if is_sorted else [])
 

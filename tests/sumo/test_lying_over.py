@@ -49,7 +49,7 @@ def seen(road, x, y, heading, *, mapped="ab_1", shown="", speed=5.0, limits=LONG
     """Where an ego with its front at (x, y) is shown that drives along ab_1 and bc_0."""
     plan = SimpleNamespace(
         segments=[LaneSegment(lane_id=n, start=a, end=b, lane_offset=0.0, route_index=k) for n, a, b, k in WAYS],
-        passages=[], turnarounds=[],
+        passages=[], turnarounds=[], aside=None,
     )  # fmt: skip
     here = next(segment for segment in plan.segments if x < segment.end)
     reach = limits.front_to_rear_axle

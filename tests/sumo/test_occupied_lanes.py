@@ -136,7 +136,7 @@ def test_an_ego_in_the_middle_of_its_lane_is_shown_nowhere_else(road):
 def passing(graph, lane_id, lateral):
     """A plan that leads `lateral` m beside its lane, and its segment."""
     found, here = planned(graph, lane_id, 50.0)
-    return replace(found, aside=Aside("x", lateral, 60.0, 80.0)), here
+    return replace(found, aside=Aside(lateral, 60.0, 80.0)), here
 
 
 @pytest.mark.parametrize(("y", "shown"), [(-1.6, None), (0.2, "ba_0"), (1.5, "ba_0")])

@@ -151,7 +151,7 @@ def test_of_several_changes_the_one_under_way_counts(road):
     ],
 )
 def test_beside_its_lane_the_ego_is_shown_on_the_lane_that_it_covers(road, lane_id, lateral, y, heading, place):
-    plan = planned(aside=Aside("x", lateral, 60.0, 80.0))
+    plan = planned(aside=Aside(lateral, 60.0, 80.0))
     seen = occupied(road, plan, on(lane_id), ego_at(60.0, y, heading), 10.0, CAR, EDGES)
     assert shown(seen) == (None if place is None else (place[0], round(place[1], 3), round(place[2], 3)))
     if seen is not None:

@@ -34,7 +34,8 @@ class Forecast(NamedTuple):
 class LaneBeside(NamedTuple):
     """Another lane runs beside C between arc lengths `start` and `end` (m), its centre `lateral` m to the left of C's lane.
 
-    `is_oncoming`: its traffic comes towards the ego. `width` in m, `speed_limit` in m/s.
+    `is_oncoming`: its traffic comes towards the ego; `is_entry`: from nowhere, since no road leads to it. `width` in m,
+    `speed_limit` in m/s.
     """
 
     lane_id: str
@@ -44,6 +45,7 @@ class LaneBeside(NamedTuple):
     width: float
     speed_limit: float
     is_oncoming: bool
+    is_entry: bool = False
 
 
 class Queued(NamedTuple):

@@ -123,10 +123,9 @@ class PlannedStop:
 
 @dataclass(frozen=True, slots=True)
 class Aside:
-    """C runs `lateral` m beside the lane's centre (left positive) to pass `user_id`; from arc length `back` (m) on it
+    """C runs `lateral` m beside the lane's centre (left positive) to pass somebody; from arc length `back` (m) on it
     returns, and at `until` it has."""
 
-    user_id: str
     lateral: float
     back: float
     until: float

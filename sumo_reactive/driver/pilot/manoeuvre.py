@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,18 @@ from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import ASSESSMENT_STEP_S, Way, first_contact, followed, leader_table, simulate
 from sumo_reactive.driver.pilot.instructions import PASSING_HEADWAY
-from sumo_reactive.driver.pilot.passed import FIND_REACH_M, Passed, lateral_for, legal_end, passed
+from sumo_reactive.driver.pilot.passed import (
+    EDGE_MARGIN_M,
+    FIND_REACH_M,
+    Passed,
+    ahead_on_lane,
+    find,
+    lane_in_use,
+    lateral_for,
+    legal_end,
+    passed,
+    with_next,
+)
 from sumo_reactive.driver.pilot.situation import Proof, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import side_step_length
@@ -59,12 +71,41 @@ def under_way(parameters: Parameters) -> Margin:
 
 def proof(situation: Situation, x: PathObstacle) -> Proof:
     """Simulate pulling out, passing X and coming back; the others keep their behaviour (F&L 1991, §2)."""
-    target = passed(situation, x)
-    lateral, lane = lateral_for(situation, target)
-    if lateral == 0.0:
-        return Proof(None, "no lane to pass on")
-    end = legal_end(situation, target, lane)
-    return prove(situation, target, lateral, lane, end, before(situation.limits.parameters))
+
+    def tried(target: Passed) -> Proof:
+        lateral, lane = lateral_for(situation, target)
+        if lateral == 0.0:
+            return Proof(None, "no lane to pass on")
+        end = legal_end(situation, target, lane)
+        return prove(situation, target, lateral, lane, end, before(situation.limits.parameters))
+
+    return _with_those_before(situation, passed(situation, x), tried)
+
+
+def proof_under_way(situation: Situation, x: Passed, lateral: float) -> Proof:
+    """Simulate the rest of a pass under way, `lateral` m beside C; whoever would need more room is none to pass so."""
+    lane = lane_in_use(situation, lateral)
+
+    def tried(target: Passed) -> Proof:
+        newest = find(situation, target.user_ids[len(x.user_ids) :])
+        if newest is not None and abs(lateral_for(situation, newest)[0]) > abs(lateral) + EDGE_MARGIN_M:
+            return Proof(None, "no room to swing out")
+        end = legal_end(situation, target, lane)
+        return prove(situation, target, lateral, lane, end, under_way(situation.limits.parameters))
+
+    return _with_those_before(situation, x, tried)
+
+
+def _with_those_before(situation: Situation, x: Passed, tried: Callable[[Passed], Proof]) -> Proof:
+    """Return the proof for passing X or, if who drives slowly before it leaves no room to come back, both; if they cannot
+    be passed either, why X cannot."""
+    first = found = tried(x)
+    while found.aside is None:
+        longer = with_next(situation, x, found.obstacle)
+        if longer is None:
+            return first
+        x, found = longer, tried(longer)
+    return found
 
 
 def prove(
@@ -81,20 +122,26 @@ def prove(
     rear = trace[:, 4] + limits.front_overhang - limits.length
     clear = rear >= fronts + x.gap(limits.parameters)
     if not clear.any():
-        return Proof(None, "no room to swing out" if x.is_halted else f"{x.user_id} is too fast to pass")
+        return Proof(None, "no room to swing out" if x.is_halted else _no_room_before(situation, x))
     at = int(np.argmax(clear))
     back = float(trace[at, 4])
     until = back + _way_back(lateral, float(trace[at, 3]), end - limits.front_overhang - back, limits)
     if until + limits.front_overhang > end:
         return Proof(None, "the road ahead is too short")
-    aside = Aside(x.user_id, lateral, back, until)
+    aside = Aside(lateral, back, until)
     last = int(np.argmax(trace[:, 4] >= until)) if trace[-1, 4] >= until else len(trace) - 1
     duration = (last + 1) * ASSESSMENT_STEP_S
     if lane is not None and lane.is_oncoming and not _is_in_sight(situation, lane, until, duration):
         return Proof(None, "the oncoming lane is not in sight far enough")
     full = displaced(way, lateral_of(aside, plan.curve.step * np.arange(len(way.x))) - lateral, back)
     trace = simulate(snapshot, full, _leaders(situation, x, lateral), limits, duration, headway=PASSING_HEADWAY)
-    return _meeting(situation, trace, x, aside, duration, margin)
+    return _meeting(situation, trace, x.user_ids, aside, margin)
+
+
+def _no_room_before(situation: Situation, x: Passed) -> str:
+    """Return who is next before X, and so leaves no room to come back, or that X alone is too fast."""
+    before_x = [one for one in ahead_on_lane(situation) if one.rear > x.rear and one.user_ids[0] not in x.user_ids]
+    return min(before_x, key=lambda one: one.rear).user_ids[0] if before_x else f"{x.user_ids[0]} is too fast to pass"
 
 
 def _way_back(lateral: float, speed: float, room: float, limits: VehicleLimits) -> float:
@@ -140,39 +187,53 @@ def displaced(way: Way, lateral: Floats, start: float) -> Way:
 
 
 def _leaders(situation: Situation, x: Passed, lateral: float) -> Floats:
-    """Return the leaders for the simulation: X until the way past it leads aside, the others for ever."""
+    """Return the leaders for the simulation: X until the way past it leads aside, the others for ever, and so those on the
+    lane that C comes back to."""
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     out = side_step_length(abs(lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
     needed = (x.left if lateral > 0.0 else -x.right) + 0.5 * limits.width + limits.parameters.corridor_margin_m
     share = float(np.interp(needed / abs(lateral), _MADE, _SHARES))
     beside = snapshot.s + share * out if plan.aside is None else share * plan.joins
     table = leader_table(snapshot)
-    is_x = [obstacle.user.id == x.user_id for obstacle in followed(snapshot)]
+    is_x = [obstacle.user.id in x.user_ids for obstacle in followed(snapshot)]
     table[is_x, 2] = beside
-    return table
+    known = {*x.user_ids, *(obstacle.user.id for obstacle in followed(snapshot))}
+    more = [(one.rear, one.speed, math.inf) for one in ahead_on_lane(situation) if known.isdisjoint(one.user_ids)]
+    return np.vstack([table, more]) if more else table
 
 
 def _is_in_sight(situation: Situation, lane: LaneBeside, until: float, duration: float) -> bool:
-    """Whether somebody who comes into sight now on the oncoming lane, at its speed limit, is met only after the return."""
-    sight = situation.snapshot.front + situation.outlook.sight
+    """Whether somebody who comes into sight now on the oncoming lane, at its speed limit, is met only after the return: as
+    far away as the ego looks, or where the lane begins if others enter there."""
+    sight = min(situation.snapshot.front + situation.outlook.sight, lane.end if lane.is_entry else math.inf)
     return sight - lane.speed_limit * (duration + before(situation.limits.parameters).oncoming) > until
 
 
-def _meeting(situation: Situation, trace: Floats, x: Passed, aside: Aside, duration: float, margin: Margin) -> Proof:
-    """Return the proof, after a look at everybody: where foreseen, earlier by the margin, later by half of it."""
-    forecast, limits, room = situation.outlook.forecast, situation.limits, margin.room
+def _meeting(situation: Situation, trace: Floats, passes: tuple[str, ...], aside: Aside, margin: Margin) -> Proof:
+    """Return the proof, after a look at everybody: where foreseen, earlier by the margin, later by half of it; at those whom
+    the ego `passes` until it comes back: from then on they follow it."""
+    forecast, duration = situation.outlook.forecast, len(trace) * ASSESSMENT_STEP_S
     speeds, oncoming = _speeds(situation)
+    is_passed = np.array([user_id in passes for user_id in forecast.user_ids], np.bool_)
     early = np.where(oncoming, margin.oncoming, margin.same_way)
-    early[[user_id == x.user_id for user_id in forecast.user_ids]] = 0.0
-    for share in (0.0, -0.5, 1.0):
-        leads = share * early
-        k, _ = first_contact(
-            trace, limits.length + 2.0 * room, limits.width + 2.0 * room, forecast.points, forecast.first, forecast.counts,
-            forecast.bodies, speeds, leads, ASSESSMENT_STEP_S, PATH_STEP_M,
-        )  # fmt: skip
+    others = np.where(is_passed, np.nan, speeds)
+    beside = trace[: int(np.sum(trace[:, 4] < aside.back))]
+    looks = ((beside, np.where(is_passed, speeds, np.nan), 0.0), *((trace, others, share) for share in (0.0, -0.5, 1.0)))
+    for part, driven, share in looks:
+        k = _met(situation, part, driven, share * early, margin.room)
         if k >= 0:
             return Proof(None, forecast.user_ids[k], duration, only_margin=share != 0.0)
-    return Proof(aside, "", duration)
+    return Proof(aside, "", duration, passes=passes)
+
+
+def _met(situation: Situation, trace: Floats, speeds: Floats, leads: Floats, room: float) -> int:
+    """Return whose path (its number) the ego meets first, -1: nobody's; see `first_contact`."""
+    forecast, limits = situation.outlook.forecast, situation.limits
+    k, _ = first_contact(
+        trace, limits.length + 2.0 * room, limits.width + 2.0 * room, forecast.points, forecast.first, forecast.counts,
+        forecast.bodies, speeds, leads, ASSESSMENT_STEP_S, PATH_STEP_M,
+    )  # fmt: skip
+    return int(k)
 
 
 def _speeds(situation: Situation) -> tuple[Floats, NDArray[np.bool_]]:
@@ -201,13 +262,12 @@ def in_the_way_back(situation: Situation, way: Aside) -> str:
     """Return whom the ego would meet if it came back from `way` now; empty: nobody."""
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     length = side_step_length(abs(way.lateral), 0.0, snapshot.ego.speed, LANE_WIDTH_M, limits)
-    now = Aside(way.user_id, way.lateral, snapshot.s, snapshot.s + length)
+    now = Aside(way.lateral, snapshot.s, snapshot.s + length)
     whole, samples = _along(plan, now.until + FIND_REACH_M)
     returning = displaced(whole, lateral_of(now, samples) - lateral_of(way, samples), now.back)
     duration = length / max(snapshot.ego.speed, 2.0) + 2.0
     trace = simulate(snapshot, returning, leader_table(snapshot), limits, duration)
-    x = Passed(way.user_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)
-    found = _meeting(situation, trace, x, now, duration, Margin(0.0, 0.0, PROOF_ROOM_M))
+    found = _meeting(situation, trace, (), now, Margin(0.0, 0.0, PROOF_ROOM_M))
     return "" if found.aside is not None else found.obstacle
 
 

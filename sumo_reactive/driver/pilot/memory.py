@@ -57,9 +57,10 @@ class Premises(NamedTuple):
 
 
 class Overtaking(NamedTuple):
-    """An overtaking under way: who is passed, since when (s), and what the ego is about: OVERTAKE, RETURN or FALL_BACK."""
+    """An overtaking under way: who is passed, the last first, since when (s), and what the ego is about: OVERTAKE, RETURN or
+    FALL_BACK."""
 
-    user_id: str
+    user_ids: tuple[str, ...]
     since: float
     instruction: Instruction
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from sumo_reactive.driver.geometry.curve import project_on_curve
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.nouns.forecast import LaneBeside
+from sumo_reactive.driver.nouns.forecast import PATH_STEP_M, LaneBeside
 from sumo_reactive.driver.nouns.plan import lateral_of
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
@@ -26,14 +28,24 @@ EDGE_MARGIN_M = 0.1
 HALTED_GAP_M = 1.0
 """Gap left in front of somebody who has halted, before coming back."""
 
+CRAWLING_SPEED = 0.5
+"""Who drives no faster, m/s, is about to stand: he is none to overtake."""
+
 FIND_REACH_M = 80.0
 """Who is passed is looked for on C this far around the ego."""
 
 
-class Passed(NamedTuple):
-    """X, who is passed: rear and front on C (m), speed along C (m/s), the extent of its body left of C (m), its width."""
+COLUMN = 6
+"""So many are passed in one go; more are a queue."""
 
-    user_id: str
+
+class Passed(NamedTuple):
+    """X, who is passed: rear and front on C (m), speed along C (m/s), the extent of its body left of C (m), its width.
+
+    Several are a column: `user_ids` from its last to its first, whose speed it has.
+    """
+
+    user_ids: tuple[str, ...]
     rear: float
     front: float
     speed: float
@@ -46,6 +58,14 @@ class Passed(NamedTuple):
         """What the ego leaves in front of X before it comes back, m."""
         return HALTED_GAP_M if self.is_halted else parameters.return_gap_m + parameters.return_headway_s * self.speed
 
+    def behind(self, other: Passed) -> Passed:
+        """Return the column of this one and another before it."""
+        return Passed(
+            self.user_ids + other.user_ids, min(self.rear, other.rear), max(self.front, other.front), other.speed,
+            max(self.left, other.left), min(self.right, other.right), max(self.width, other.width),
+            self.is_halted and other.is_halted,
+        )  # fmt: skip
+
 
 def passed(situation: Situation, x: PathObstacle) -> Passed:
     """Return X as the manoeuvre sees it."""
@@ -55,7 +75,7 @@ def passed(situation: Situation, x: PathObstacle) -> Passed:
     half = 0.5 * (user.body.width * abs(math.cos(turned)) + user.body.length * abs(math.sin(turned)))
     middle = d - 0.5 * user.body.length * math.sin(turned)
     moving = max(x.along, 0.0)
-    return Passed(user.id, x.start, max(s, x.end), moving, middle + half, middle - half, user.body.width, user.is_halted)
+    return Passed((user.id,), x.start, max(s, x.end), moving, middle + half, middle - half, user.body.width, user.is_halted)
 
 
 def lateral_for(situation: Situation, x: Passed) -> tuple[float, LaneBeside | None]:
@@ -93,8 +113,28 @@ def legal_end(situation: Situation, x: Passed, lane: LaneBeside | None) -> float
     return min(ends, default=plan.curve.length)
 
 
-def find(situation: Situation, user_id: str) -> Passed | None:
-    """Return where somebody who is being passed is now; None when nobody sees him any more."""
+def find(situation: Situation, user_ids: tuple[str, ...]) -> Passed | None:
+    """Return where those who are being passed are now; None when nobody sees any of them any more."""
+    seen = [one for one in (_seen(situation, user_id) for user_id in user_ids) if one is not None]
+    return functools.reduce(Passed.behind, seen) if seen else None
+
+
+def with_next(situation: Situation, x: Passed, user_id: str) -> Passed | None:
+    """Return X with somebody who drives before it and whom the ego would overtake as well; None: he is none."""
+    one = next((one for one in ahead_on_lane(situation) if one.user_ids[0] == user_id), None)
+    if one is None or len(x.user_ids) >= COLUMN or one.rear < x.rear or user_id in x.user_ids:
+        return None
+    road = situation.plan.road_speed(situation.snapshot.s)
+    return x.behind(one) if is_slow(one.speed, road, situation.limits.parameters) else None
+
+
+def is_slow(speed: float, road: float, parameters: Parameters) -> bool:
+    """Whether somebody drives so slowly (m/s), on a road for `road` (m/s), that he is worth overtaking."""
+    return CRAWLING_SPEED < speed < min(parameters.slow_share * road, road - parameters.slower_by)
+
+
+def _seen(situation: Situation, user_id: str) -> Passed | None:
+    """Return where the forecast has somebody now; None: it does not know him."""
     forecast, curve = situation.outlook.forecast, situation.plan.curve
     if user_id not in forecast.user_ids:
         return None
@@ -106,7 +146,22 @@ def find(situation: Situation, user_id: str) -> Passed | None:
     s, d = project_on_curve(x, y, curve.x, curve.y, curve.step, situation.snapshot.s, FIND_REACH_M)
     aside = situation.plan.aside
     off = 0.0 if aside is None else float(lateral_of(aside, np.array([s]))[0])
-    return Passed(user_id, s - length, s, speed, d + off + 0.5 * width, d + off - 0.5 * width, width, speed < STANDING_SPEED)
+    across = lateral if abs(d + off - lateral) < 0.5 * situation.outlook.lane_width else d + off  # exact on the ego's lane
+    left, right = across + 0.5 * width, across - 0.5 * width
+    return Passed((user_id,), s - length, s, speed, left, right, width, speed < STANDING_SPEED)
+
+
+def ahead_on_lane(situation: Situation) -> Iterator[Passed]:
+    """Yield who drives ahead, near, on the lane of C, though C may lead beside it."""
+    forecast, snapshot, limits = situation.outlook.forecast, situation.snapshot, situation.limits
+    pose, half = snapshot.ego.pose, 0.5 * limits.width + limits.parameters.corridor_margin_m
+    x, y, heading = forecast.points[forecast.first].T
+    along = (x - pose.x) * math.cos(pose.heading) + (y - pose.y) * math.sin(pose.heading)
+    near = (np.cos(heading - pose.heading) > 0.0) & (along > -PATH_STEP_M) & (along < FIND_REACH_M)
+    for user_id in dict.fromkeys(forecast.user_ids[k] for k in np.flatnonzero(near).tolist()):
+        one = _seen(situation, user_id)
+        if one is not None and one.rear > snapshot.front and one.left > -half and one.right < half:
+            yield one
 
 
 def is_clear_of(situation: Situation, x: Passed) -> bool:

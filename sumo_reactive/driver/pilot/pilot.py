@@ -255,7 +255,7 @@ def _passing(situation: Situation, orders: Orders) -> Orders:
     step = overtaking.carry_on(situation, under_way) if under_way else overtaking.begin(situation)
     if step is None:
         return orders
-    reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_id
+    reason, cause = step.reason or Reason.SLOW_AHEAD, step.cause or step.overtaking.user_ids[0]
     decision = Decision(behaviour=Behaviour.OVERTAKING, reason=reason, cause=cause, passes=reason is Reason.SLOW_AHEAD)
     return orders._replace(
         instruction=step.overtaking.instruction,

@@ -21,13 +21,14 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 class Proof(NamedTuple):
     """The manoeuvre that meets nobody, or who or what forbids it (a user's id, or words), and for how long it lasts, s.
 
-    `only_margin`: it would meet that user only if he came earlier than foreseen.
+    `only_margin`: it would meet that user only if he came earlier than foreseen. `passes`: who is passed, the last first.
     """
 
     aside: Aside | None
     obstacle: str = ""
     duration: float = 0.0
     only_margin: bool = False
+    passes: tuple[str, ...] = ()
 
 
 class LaneChanging(NamedTuple):

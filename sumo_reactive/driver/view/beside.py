@@ -24,7 +24,8 @@ def lanes_beside(graph: RoadGraph, plan: NominalPlan, front: float, reach: float
             beside = _beside(graph, segment.lane_id)
             if beside is not None:
                 lane, away, is_oncoming = beside
-                yield LaneBeside(lane.id, segment.start, segment.end, away, lane.width, lane.speed_limit, is_oncoming)
+                stretch, is_entry = (segment.start, segment.end), is_oncoming and not graph.ways_into(lane.id)
+                yield LaneBeside(lane.id, *stretch, away, lane.width, lane.speed_limit, is_oncoming, is_entry)
 
 
 @kept(4096)

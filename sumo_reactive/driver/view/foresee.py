@@ -19,6 +19,9 @@ from sumo_reactive.driver.world.road_graph import RoadGraph
 FORECAST_REACH_M = 300.0
 """Others are foreseen this far: 13 s at 22 m/s."""
 
+AGAINST_LANE = -0.5
+"""Whoever's heading has such a cosine with his lane's, or less, drives against it."""
+
 
 def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> Forecast:
     """Return the paths of `users` for `duration` s; both branches, or all, where a route is unknown (F&L 1991, §2)."""
@@ -26,13 +29,13 @@ def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> F
     chunks: list[Floats] = []
     bodies: list[float] = []
     for user in users:
-        for path in _paths_of(graph, user):
-            at = min(max(int(user.lane_position / PATH_STEP_M), 0), len(path) - 2)
+        for path, position in _paths_of(graph, user):
+            at = min(max(int(position / PATH_STEP_M), 0), len(path) - 2)
             near = path[at : at + 3 + int(user.speed * duration / PATH_STEP_M)]
             ids.append(user.id)
             chunks.append(near)
             limit = graph.lanes[user.lane_id].speed_limit if user.lane_id else 0.0
-            start = user.lane_position - at * PATH_STEP_M
+            start = position - at * PATH_STEP_M
             bodies += (start, _beside(near[0].tolist(), user), user.speed, user.body.length, user.body.width, limit)
     if not ids:
         return NOBODY
@@ -44,12 +47,25 @@ def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> F
 NOBODY = Forecast((), np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 6)))
 
 
-def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[Floats, ...]:
-    """Return the ways of a user; a body that stands on no lane has one, which starts at its front."""
+def _paths_of(graph: RoadGraph, user: RoadUser) -> tuple[tuple[Floats, float], ...]:
+    """Return the ways of a user, each with how far along it its front is, m.
+
+    A body that stands on no lane has one, which starts at its front; who overtakes on the oncoming lane goes on along it.
+    """
+    lane = graph.lanes.get(user.lane_id)
+    if lane is not None and math.cos(user.heading - lane.spine.heading_at(user.lane_position)) < AGAINST_LANE:
+        way = _backwards(graph, user.lane_id)
+        return ((way, lane.spine.length - lane.spine.project(user.x, user.y)[0]),)
     if user.lane_id or not user.is_halted:
-        return paths_ahead(graph, user.lane_id, user.route[:3])
+        return tuple((path, user.lane_position) for path in paths_ahead(graph, user.lane_id, user.route[:3]))
     front = Pose(user.x, user.y, user.heading)
-    return (np.array([(*front.ahead(way), user.heading) for way in (0.0, PATH_STEP_M)]),)
+    return ((np.array([(*front.ahead(way), user.heading) for way in (0.0, PATH_STEP_M)]), 0.0),)
+
+
+@kept(4096)
+def _backwards(graph: RoadGraph, lane_id: str) -> Floats:
+    """Return the way against a lane, (n, 3), from its end on: x, y, heading every PATH_STEP_M."""
+    return Polyline(graph.lanes[lane_id].spine.points[::-1]).sampled(PATH_STEP_M)
 
 
 @kept(4096)

@@ -156,7 +156,6 @@ def test_overtaking_asks_for_a_curve_that_leads_past_x():
     completed = pulled_out().completed
     assert (completed.instruction, completed.request.what) == (Instruction.OVERTAKE, Replanning.CURVE)
     aside = completed.request.aside
-    assert aside.user_id == "x"
     assert aside.lateral > 0.5 * (CAR.width + 1.8)
     assert completed.decisions[-1].reason is Reason.SLOW_AHEAD
 
@@ -169,7 +168,7 @@ def test_the_attraction_of_c_is_weakened_while_overtaking():
 
 def passing(s_back: float, to_left: float, instruction: Instruction, away: float = 600.0):
     """The ego beside its lane, on a curve that leads it back from `s_back` m on within 10 m."""
-    aside = Aside("x", to_left, s_back, s_back + 10.0)
+    aside = Aside(to_left, s_back, s_back + 10.0)
     ego = before("two_way_road", COUNTRY, away, 15.0, to_left=to_left, aside=aside)
     return ego.remembering(behaviour=Behaviour.OVERTAKING).passing("x", instruction)
 
@@ -184,7 +183,7 @@ def test_the_ego_passes_on_until_x_is_behind_it_by_gap_and_headway():
 
 def test_the_ego_falls_back_when_the_gap_is_lost_before_it_has_drawn_level():
     ego = passing(100.0, 2.5, Instruction.OVERTAKE)
-    x, comes = ego.ahead("x", 5.0, SLOW), ego.other("comes", "westbound_0", -230.0, 20.0, ONCOMING)
+    x, comes = ego.ahead("x", 9.0, SLOW), ego.other("comes", "westbound_0", -230.0, 20.0, ONCOMING)
     step = overtaking.carry_on(ego.considered(x, comes, sight=FAR), ego.memory.overtaking)
     assert (step.overtaking.instruction, step.replans, step.aside) == (Instruction.FALL_BACK, True, None)
     assert (step.reason, step.cause) == (Reason.GAP_LOST, "comes")

@@ -141,8 +141,8 @@ def test_an_ego_that_stands_at_a_red_light_stays_and_one_that_drives_towards_it_
 @pytest.mark.parametrize(
     "what",
     [
-        {"overtaking": Overtaking("x", 0.0, Instruction.OVERTAKE)},
-        {"aside": Aside("x", 3.0, 20.0, 40.0)},
+        {"overtaking": Overtaking(("x",), 0.0, Instruction.OVERTAKE)},
+        {"aside": Aside(3.0, 20.0, 40.0)},
     ],
     ids=["overtaking", "aside"],
 )

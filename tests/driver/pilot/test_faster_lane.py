@@ -96,7 +96,7 @@ def test_before_a_light_that_is_not_green_the_queues_decide():
 
 
 def test_during_another_manoeuvre_the_ego_stays():
-    assert seeking(SLOW, aside=Aside("x", 3.0, 20.0, 40.0)) == LaneChanging()
+    assert seeking(SLOW, aside=Aside(3.0, 20.0, 40.0)) == LaneChanging()
 
 
 def test_without_a_gap_the_ego_stays_and_neither_stops_nor_asks_for_room():

@@ -158,7 +158,7 @@ def on_the_way_past(x_ahead: float, *others: RoadUser, back: float = 100.0) -> O
 
 @cache
 def passing(back: float = 100.0) -> Situation:
-    aside = Aside("x", 2.5, back, back + 40.0)
+    aside = Aside(2.5, back, back + 40.0)
     return before("two_way_road", COUNTRY, 600.0, 15.0, to_left=2.5, aside=aside).passing("x")
 
 
@@ -192,13 +192,13 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     ),
     "m that X is behind before the ego comes back": (lambda m: returns(on_the_way_past(-m)), 5.0, 60.0, 18.501),
     "m that oncoming traffic must be away on the way past": (
-        lambda m: falls_back(on_the_way_past(5.0, comes(m))), 200.0, 600.0, 323.719,
+        lambda m: falls_back(on_the_way_past(12.0, comes(m))), 200.0, 600.0, 355.837,
     ),
     "m that slow oncoming traffic must be away on the way past": (
-        lambda m: falls_back(on_the_way_past(5.0, comes(m, 8.0))), 200.0, 600.0, 323.719,
+        lambda m: falls_back(on_the_way_past(12.0, comes(m, 8.0))), 200.0, 600.0, 355.837,
     ),
     "m at which X is beside and the ego slows down": (
-        lambda m: falls_back(on_the_way_past(m, comes(190.0))), -3.0, 5.0, 0.0,
+        lambda m: falls_back(on_the_way_past(m, comes(190.0))), -3.0, 20.0, 8.45,
     ),
     "m of way that is short of its margin": (
         lambda m: on_the_way_past(-4.0, comes(m)).top_speed < math.inf, 150.0, 400.0, 241.765,

@@ -89,7 +89,7 @@ def test_who_is_being_passed_is_found_where_he_is():
     assert found is not None
     assert (found.rear, found.front) == pytest.approx((ahead.rear, ahead.front), abs=0.3)
     assert (found.left, found.right) == pytest.approx((HALF_BODY, -HALF_BODY), abs=0.05)
-    assert (found.user_id, found.width, found.is_halted) == ("x", BODY.width, True)
+    assert (found.user_ids, found.width, found.is_halted) == (("x",), BODY.width, True)
     assert find(situation, "nobody") is None
 
 
@@ -97,7 +97,7 @@ def test_who_is_being_passed_is_found_where_he_is():
 def test_where_the_curve_leads_aside_he_is_measured_from_the_lane(back, off):
     """C runs 3 m to the left of it until it leads back."""
     situation = EGO.considered(X)
-    aside = Aside("x", 3.0, back, back + 1.0)
+    aside = Aside(3.0, back, back + 1.0)
     found = find(situation._replace(plan=replace(situation.plan, aside=aside)), "x")
     assert found is not None
     assert (found.left, found.right) == pytest.approx((HALF_BODY + off, off - HALF_BODY), abs=0.05)

@@ -72,10 +72,10 @@ def past_a_halted() -> Picture:
 
 
 def on_the_way_past(x_ahead: float, *others: tuple[float, float], instruction=Instruction.OVERTAKE) -> Picture:
-    aside = Aside("x", 2.5, 100.0, 140.0)
+    aside = Aside(2.5, 100.0, 140.0)
     ego = before("two_way_road", COUNTRY, 600.0, 15.0, to_left=2.5, aside=aside)
     users = [ego.other(f"c{away:g}", "westbound_0", -away, speed, ONCOMING) for away, speed in others]
-    under_way = Overtaking("x", 95.0, instruction)
+    under_way = Overtaking(("x",), 95.0, instruction)
     return far(ego, ego.ahead("x", x_ahead, SLOW), *users, behaviour=Behaviour.OVERTAKING, overtaking=under_way)
 
 
@@ -84,7 +84,7 @@ def passing() -> Picture:
 
 
 def gap_is_lost() -> Picture:
-    return on_the_way_past(5.0, (230.0, 20.0))
+    return on_the_way_past(9.0, (230.0, 20.0))
 
 
 def gap_is_lost_beside() -> Picture:
@@ -189,7 +189,7 @@ delay 3.00 on 100.00 0
     pulls_out: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 2.45 beside x -542.99 -488.99
+leads 2.45 aside -542.99 -488.99
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -227,7 +227,7 @@ delay 3.00 on 100.00 0
     several_lanes: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 3.20 beside x -303.06 -241.47
+leads 3.20 aside -303.06 -241.47
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -241,7 +241,7 @@ delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
     lane_beside_taken: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 3.20 beside x -303.06 -241.47
+leads 3.20 aside -303.06 -241.47
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -255,7 +255,7 @@ delay 3.00 on 100.00 0 passing x 100.00 OVERTAKE
     past_a_halted: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 2.45 beside x -270.98 -236.45
+leads 2.45 aside -270.98 -236.45
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x
@@ -269,7 +269,7 @@ delay 0.00 on 100.00 0 passing x 100.00 OVERTAKE
     passing: """
 OVERTAKING: OVERTAKE, DRIVE
 asks for CURVE 0 0
-leads 2.50 beside x -570.43 -518.01
+leads 2.50 aside -570.43 -518.01
 looks 600.00
 tuned 4.00 1.00 0.60
 OVERTAKING passes SLOW_AHEAD x

@@ -65,11 +65,6 @@ def beside(speed: float, side: float) -> Holds:
     return holds
 
 
-def second_leader(room: float) -> bool:
-    ego = ego_at("multi_lane_road", ROAD, 380.0, SLOW).late_by(3.0)
-    return behind_x(ego, ego.ahead("z", GAP + 4.7 + room, SLOW))
-
-
 def seeks_behind(speed: float) -> bool:
     """Whether an ego with 17 m/s wants to pass somebody 30 m ahead with this speed."""
     ego = late(speed=17.0)
@@ -100,7 +95,6 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m behind on the lane beside at the ego's speed": (beside(SLOW, -1.0), 5.0, 120.0, 10.721),
     "m before on the lane beside": (beside(5.0, 1.0), 5.0, 120.0, 82.140),
     "m before on the lane beside at the ego's speed": (beside(SLOW, 1.0), 5.0, 120.0, 57.991),
-    "m between X and who drives before it": (second_leader, 5.0, 120.0, 21.001),
 }  # fmt: skip
 
 

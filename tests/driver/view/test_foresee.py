@@ -54,6 +54,14 @@ def test_who_is_inside_a_junction_follows_his_connection_to_its_end(ego):
     assert math.dist(ends(forecast)[0], ego.graph.lanes["to_east_0"].spine.points[-1]) < PATH_STEP_M
 
 
+def test_who_overtakes_on_the_oncoming_lane_goes_on_against_it(ego):
+    along = ego.other("x", LANE, -20.0, 8.0, ())
+    forecast = foresee(ego.graph, (along._replace(heading=along.heading + math.pi),), SECONDS)
+    assert math.dist(ends(forecast)[0], ego.graph.lanes[LANE].spine.points[0]) < PATH_STEP_M
+    start = forecast.points[forecast.first[0], :2]
+    assert math.dist(start, (along.x, along.y)) == pytest.approx(forecast.bodies[0, 0], abs=0.01)
+
+
 def test_who_is_on_an_unknown_lane_has_no_path(ego):
     lost = ego.other("x", LANE, -20.0, 8.0, ())._replace(lane_id="nowhere_0")
     assert foresee(ego.graph, (lost,), SECONDS).user_ids == ()

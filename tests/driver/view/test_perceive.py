@@ -209,6 +209,6 @@ def test_a_body_that_leads_aside_past_somebody_cuts_into_no_lane_beside():
     here = ego.graph.lanes["road_before_exit_1"].spine
     pose = ego.ego.pose
     start = PlanStart(pose, 10.0, 0.0, ego.time, "road_before_exit_1", here.project(*ego.ego.pose.ahead(0.0))[0], 0)
-    passing = plan(ego.graph, route, CAR, start, aside=Aside("x", 3.2, 60.0, 80.0))
+    passing = plan(ego.graph, route, CAR, start, aside=Aside(3.2, 60.0, 80.0))
     assert max(abs(here.offsets(np.column_stack((passing.curve.x, passing.curve.y))))) > 3.0
     assert off_tracking_of(passing, ego.graph, CAR) == ()

@@ -8,9 +8,20 @@ from typing import NamedTuple
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
 from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
-from sumo_reactive.driver.pilot.manoeuvre import in_the_way_back, proof, prove, under_way
+from sumo_reactive.driver.pilot.instructions import PASSING_HEADWAY
+from sumo_reactive.driver.pilot.manoeuvre import in_the_way_back, proof, proof_under_way
 from sumo_reactive.driver.pilot.memory import Overtaking
-from sumo_reactive.driver.pilot.passed import Passed, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
+from sumo_reactive.driver.pilot.passed import (
+    Passed,
+    ahead_on_lane,
+    find,
+    is_clear_of,
+    is_slow,
+    lane_in_use,
+    lateral_for,
+    legal_end,
+    passed,
+)
 from sumo_reactive.driver.pilot.situation import BehaviourRule, Proof, Situation
 from sumo_reactive.driver.vehicle.safe_speed import following_speed
 
@@ -33,8 +44,7 @@ def follows_x(situation: Situation) -> bool:
     if x.user.is_halted:
         return gap < p.following_m + HALTED_AHEAD_S * speed
     road = situation.plan.road_speed(situation.snapshot.s)
-    is_slow = 0.5 < x.along < min(p.slow_share * road, road - p.slower_by)
-    return is_slow and gap < p.following_m + p.following_s * speed
+    return is_slow(x.along, road, p) and gap < p.following_m + p.following_s * speed
 
 
 def has_settled(situation: Situation) -> bool:
@@ -123,12 +133,28 @@ def begin(situation: Situation) -> OvertakingStep | None:
     x, found = situation.ahead_of_ego, situation.proof
     if x is None or found is None or found.aside is None:
         return None
-    overtaking = Overtaking(x.user.id, situation.snapshot.time, Instruction.OVERTAKE)
+    overtaking = Overtaking(found.passes, situation.snapshot.time, Instruction.OVERTAKE)
     return OvertakingStep(overtaking, replans=True, aside=found.aside, reason=Reason.SLOW_AHEAD, cause=x.user.id)
 
 
 def carry_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
-    """Pass X, and come back; if the proof no longer holds, fall back behind X."""
+    """Pass X, and come back behind who is next on the lane; if the proof no longer holds, fall back behind X."""
+    step = _carried_on(situation, overtaking)
+    if step.overtaking.instruction is Instruction.FALL_BACK or situation.plan.aside is None:
+        return step
+    return step._replace(top_speed=min(step.top_speed, _behind_next(situation, step.overtaking.user_ids)))
+
+
+def _behind_next(situation: Situation, passes: tuple[str, ...]) -> float:
+    """Return the speed (m/s) at which the ego can come back behind who drives before those whom it `passes`."""
+    limits, front = situation.limits, situation.snapshot.front
+    before = [one for one in ahead_on_lane(situation) if one.user_ids[0] not in passes]
+    gaps = ((one.rear - front - limits.standstill_gap, one.speed) for one in before)
+    headway = PASSING_HEADWAY * limits.time_headway
+    return min((following_speed(gap, v, limits.comfort_deceleration, headway) for gap, v in gaps), default=math.inf)
+
+
+def _carried_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
     plan, snapshot = situation.plan, situation.snapshot
     way = plan.aside
     if overtaking.instruction is not Instruction.OVERTAKE or way is None:
@@ -136,19 +162,20 @@ def carry_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
     coming_back = overtaking._replace(instruction=Instruction.RETURN)
     if snapshot.s >= way.back:
         return OvertakingStep(coming_back)
-    x = find(situation, overtaking.user_id)
+    x = find(situation, overtaking.user_ids)
     if x is None or is_clear_of(situation, x):
         beside = in_the_way_back(situation, way)
         if not beside:
             return OvertakingStep(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
-        overtaking, x = overtaking._replace(user_id=beside), find(situation, beside)
+        overtaking, x = overtaking._replace(user_ids=(beside,)), find(situation, (beside,))
         if x is None:
             return OvertakingStep(coming_back)
-    lane = lane_in_use(situation, way.lateral)
-    found = prove(situation, x, way.lateral, lane, legal_end(situation, x, lane), under_way(situation.limits.parameters))
+    found, lane = proof_under_way(situation, x, way.lateral), lane_in_use(situation, way.lateral)
+    if snapshot.time - overtaking.since > situation.limits.parameters.overtaking_s:
+        found = Proof(None, overtaking.user_ids[0])
     if found.aside is not None:
         moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
-        return OvertakingStep(overtaking, replans=moved, aside=found.aside)
+        return OvertakingStep(overtaking._replace(user_ids=found.passes), replans=moved, aside=found.aside)
     if lane is not None and not lane.is_oncoming and _is_over(situation, x):
         return OvertakingStep(overtaking)  # the lane beside is the ego's by now: who follows there follows it
     return _fall_back(situation, overtaking, x, found)
@@ -161,9 +188,10 @@ def _is_over(situation: Situation, x: Passed) -> bool:
 
 
 def _fall_back(situation: Situation, overtaking: Overtaking, x: Passed, found: Proof) -> OvertakingStep:
-    """Return behind X; beside it, slow down first, unless going on is only short of its margin."""
-    falling = overtaking._replace(instruction=Instruction.FALL_BACK)
-    if situation.snapshot.front < x.rear:
+    """Return behind X if the ego can slow down in time, else slow down first; go on if that is only short of its margin."""
+    falling, snapshot = overtaking._replace(instruction=Instruction.FALL_BACK), situation.snapshot
+    faster = max(snapshot.ego.speed - x.speed, 0.0)
+    if snapshot.front + 0.5 * faster * faster / situation.limits.comfort_deceleration < x.rear:
         return OvertakingStep(falling, replans=True, reason=Reason.GAP_LOST, cause=found.obstacle)
     if found.only_margin:
         return OvertakingStep(overtaking)
