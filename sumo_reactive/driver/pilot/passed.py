@@ -28,7 +28,7 @@ EDGE_MARGIN_M = 0.1
 HALTED_GAP_M = 1.0
 """Gap left in front of somebody who has halted, before coming back."""
 
-CRAWLING_SPEED = 0.5
+CRAWLING_SPEED = 0.3
 """Who drives no faster, m/s, is about to stand: he is none to overtake."""
 
 FIND_REACH_M = 80.0
