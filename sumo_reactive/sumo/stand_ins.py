@@ -139,7 +139,8 @@ def rear_beside(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane 
     one that it has left it by: up to the end of that lane, as long as the rear there; None: it does not. `s`: where its
     front axle is, m of C; `edges`: its route.
 
-    SUMO shows it to those who come on its own lanes only.
+    SUMO shows it to those who come on its own lanes only. While it still has the ego there, nobody else is: it is shown
+    already then, since SUMO may lose it from one step to the next.
     """
     if s + by.limits.front_overhang - by.here.start + by.here.lane_offset > by.limits.length:
         return None
@@ -159,7 +160,7 @@ def rear_beside(by: Occupant, s: float, edges: tuple[str, ...]) -> OccupiedLane 
     if length < OCCUPIED_LANE_M:
         return None
     end = lane.spine.at(lane.spine.length)
-    return OccupiedLane(lane, *end, by.ego.speed, edges[index:], waits=True, length=length)
+    return OccupiedLane(lane, *end, by.ego.speed, edges[index:], waits=by.mapped != lane.id, length=length)
 
 
 def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:

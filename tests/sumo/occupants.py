@@ -40,9 +40,9 @@ def elsewhere(graph, plan, mapped, s, ego, limits, edges):
     return stand_ins.mapped_elsewhere(Occupant(graph, plan, plan.segments[1], ego, limits, mapped), s, edges)
 
 
-def rear(graph, plan, here, ego, s, limits, edges):
+def rear(graph, plan, here, ego, s, limits, edges, mapped=""):
     """On the lane beside the one that it has left a road by."""
-    return stand_ins.rear_beside(Occupant(graph, plan, here, ego, limits), s, edges)
+    return stand_ins.rear_beside(Occupant(graph, plan, here, ego, limits, mapped), s, edges)
 
 
 def unseen(graph, plan, here, ego, limits, edges):

@@ -194,8 +194,9 @@ def test_who_turns_round_is_shown_ahead_of_whatever_of_its_body_is_farthest_back
     assert seen is not None and seen.x == pytest.approx(rear - CAR.length, abs=1e-6)
 
 
-@pytest.mark.parametrize(("askew", "shown"), [(0.0, None), (0.3, "ab_0")])
-def test_a_bus_is_seen_on_the_lane_that_its_rear_is_over_when_its_front_is_in_the_junction(tmp_path, askew, shown):
+@pytest.mark.parametrize(("askew", "shown", "mapped"), [(0.0, None, ""), (0.3, "ab_0", ""), (0.3, "ab_0", "ab_0")])
+def test_a_bus_is_seen_on_the_lane_that_its_rear_is_over_when_its_front_is_in_the_junction(tmp_path, askew, shown, mapped):
+    """It waits for who is there, but not for itself, whom SUMO still has there."""
     graph = read_net(converted(tmp_path, NODES, EDGES, "--no-turnarounds")).build(("ab", "bc"))
     lane, beside = graph.lanes["ab_1"], graph.lanes["ab_0"]
     start = PlanStart(Pose(40.0, lane.spine.at(0.0)[1], 0.0), 5.0, 0.0, 0.0, "ab_1", 50.0, 0)
@@ -204,11 +205,13 @@ def test_a_bus_is_seen_on_the_lane_that_its_rear_is_over_when_its_front_is_in_th
     x, y = lane.spine.at(lane.spine.length)
     reach = BUS.front_to_rear_axle
     pose = Pose(x + 2.0 - reach * math.cos(askew), y - reach * math.sin(askew), askew)
-    seen = rear(graph, found, here, VehicleState(pose, 2.0, 0.0), here.start + 2.0 - BUS.front_overhang, BUS, ("ab", "bc"))
+    s = here.start + 2.0 - BUS.front_overhang
+    seen = rear(graph, found, here, VehicleState(pose, 2.0, 0.0), s, BUS, ("ab", "bc"), mapped)
     assert (seen.lane.id if seen else None) == shown
     if seen is not None:
         assert (seen.x, seen.y) == pytest.approx(beside.spine.at(beside.spine.length))
         assert (seen.length, seen.edges) == (pytest.approx(BUS.length * math.cos(askew) - 2.0, abs=0.05), ("ab", "bc"))
+        assert seen.waits == (mapped != "ab_0")
 
 
 def test_an_ego_whose_rear_is_on_the_road_behind_the_junction_is_shown_nowhere_besides(tmp_path):
