@@ -218,6 +218,15 @@ def test_what_is_foreseen_turns_over_at(name):
     assert turns_at(holds, low, high) == pytest.approx(figure, abs=0.005)
 
 
+@pytest.mark.parametrize("back", [6.0, 60.0])
+def test_the_way_past_leads_on_beside_x_where_it_would_come_back_before_the_ego_is_clear_of_it(back):
+    found = on_the_way_past(-4.0, comes(190.0), back=back)
+    assert found.overtaking.instruction is Instruction.OVERTAKE
+    assert found.replans == (back == 6.0)
+    if found.replans:
+        assert found.aside is not None and found.aside.back > 40.0
+
+
 def test_who_comes_from_behind_on_the_egos_lane_need_not_be_looked_at_wherever_on_the_map_that_is():
     """Only its own lane counts: to either side he is met when the ego pulls out or back."""
     ego = before("multi_lane_road", ("road_before_exit", "road_after_exit"), 380.0, 8.5).late_by(3.0)

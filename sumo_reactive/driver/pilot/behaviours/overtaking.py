@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from sumo_reactive.driver.nouns.decision import Behaviour, Instruction, Reason
@@ -30,6 +31,9 @@ HALTED_AHEAD_S = 4.0
 
 FALL_BACK_BY = 4.0
 """m/s; so much slower than X the ego drops back beside it."""
+
+BESIDE_S = 1.5
+"""So long before it would come back C is led on beside X if the ego is not clear of it."""
 
 UPDATE_ASIDE_M = 4.0
 """The place of return is planned anew when it moves by more."""
@@ -160,10 +164,10 @@ def _carried_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
     if overtaking.instruction is not Instruction.OVERTAKE or way is None:
         return OvertakingStep(overtaking)
     coming_back = overtaking._replace(instruction=Instruction.RETURN)
-    if snapshot.s >= way.back:
-        return OvertakingStep(coming_back)
     x = find(situation, overtaking.user_ids)
     if x is None or is_clear_of(situation, x):
+        if snapshot.s >= way.back:
+            return OvertakingStep(coming_back)
         beside = in_the_way_back(situation, way)
         if not beside:
             return OvertakingStep(coming_back, replans=way.back > snapshot.s + UPDATE_ASIDE_M)
@@ -177,8 +181,18 @@ def _carried_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
         moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
         return OvertakingStep(overtaking._replace(user_ids=found.passes), replans=moved, aside=found.aside)
     if lane is not None and not lane.is_oncoming and _is_over(situation, x):
-        return OvertakingStep(overtaking)  # the lane beside is the ego's by now: who follows there follows it
-    return _fall_back(situation, overtaking, x, found)
+        return _beside(situation, way, OvertakingStep(overtaking))  # that lane is the ego's by now: who is there follows it
+    return _beside(situation, way, _fall_back(situation, overtaking, x, found))
+
+
+def _beside(situation: Situation, way: Aside, step: OvertakingStep) -> OvertakingStep:
+    """Have C lead on beside X where it would soon come back, though the ego is not clear of X."""
+    snapshot = situation.snapshot
+    soon = max(UPDATE_ASIDE_M, BESIDE_S * snapshot.ego.speed)
+    if step.replans or way.back > snapshot.s + soon:
+        return step
+    back = snapshot.s + 2.0 * soon
+    return step._replace(replans=True, aside=replace(way, back=back, until=back + way.until - way.back))
 
 
 def _is_over(situation: Situation, x: Passed) -> bool:
