@@ -88,7 +88,7 @@ class Ego:
         self._refuse_oncoming_side()
         self.route = self._read_route(says_arrival)
         self._standing = 0.0
-        self._unmapped = self._was_beside = False
+        self._unmapped = self._was_unmapped = False
         self._let_go: dict[str, str] = {}
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
@@ -209,8 +209,8 @@ class Ego:
         outside has passed another: who has been passed would go on without a leader, and drive into the ego. Only a move
         over another lane sorts it in.
         """
-        vehicle, lane_id, is_back = libsumo.vehicle, libsumo.vehicle.getLaneID(self.id), self._was_beside
-        self._was_beside = not lane_id
+        vehicle, lane_id, is_back = libsumo.vehicle, libsumo.vehicle.getLaneID(self.id), self._was_unmapped
+        self._was_unmapped = not lane_id
         ahead = vehicle.getLeader(self.id, _SAME_LANE_M)  # looks no farther than that beyond the lane
         has_passed = bool(ahead) and ahead[1] <= -self.limits.length and vehicle.getLaneID(ahead[0]) == lane_id
         if not lane_id or lane_id.startswith(":") or not (is_back or has_passed):

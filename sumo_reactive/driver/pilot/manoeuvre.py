@@ -18,7 +18,6 @@ from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.driver.pilot.assessment import ASSESSMENT_STEP_S, Way, first_contact, followed, leader_table, simulate
 from sumo_reactive.driver.pilot.instructions import PASSING_HEADWAY
 from sumo_reactive.driver.pilot.passed import (
-    EDGE_MARGIN_M,
     FIND_REACH_M,
     Passed,
     ahead_on_lane,
@@ -39,6 +38,8 @@ PROOF_ROOM_M = 0.2
 UNDER_WAY_SHARE = 0.6
 """Share of the margins that must remain while the ego passes: a small error does not call it back."""
 
+NEARER_BY_M = 0.1
+"""Who joins those who are being passed is passed nearer than he should by no more than this."""
 
 LANE_WIDTH_M = 3.2
 """SUMO's usual lane; sets only how long a move aside takes."""
@@ -88,7 +89,7 @@ def proof_under_way(situation: Situation, x: Passed, lateral: float) -> Proof:
 
     def tried(target: Passed) -> Proof:
         newest = find(situation, target.user_ids[len(x.user_ids) :])
-        if newest is not None and abs(lateral_for(situation, newest)[0]) > abs(lateral) + EDGE_MARGIN_M:
+        if newest is not None and abs(lateral_for(situation, newest)[0]) > abs(lateral) + NEARER_BY_M:
             return Proof(None, "no room to swing out")
         end = legal_end(situation, target, lane)
         return prove(situation, target, lateral, lane, end, under_way(situation.limits.parameters))
@@ -117,7 +118,8 @@ def prove(
     """
     snapshot, plan, limits = situation.snapshot, situation.plan, situation.limits
     way, longest = _way_out(situation, x, lateral), limits.parameters.overtaking_s
-    trace = simulate(snapshot, way, _leaders(situation, x, lateral), limits, longest, headway=PASSING_HEADWAY)
+    leaders = _leaders(situation, x, lateral)
+    trace = simulate(snapshot, way, leaders, limits, longest, headway=PASSING_HEADWAY)
     fronts = x.front + x.speed * ASSESSMENT_STEP_S * np.arange(len(trace))
     rear = trace[:, 4] + limits.front_overhang - limits.length
     clear = rear >= fronts + x.gap(limits.parameters)
@@ -134,7 +136,7 @@ def prove(
     if lane is not None and lane.is_oncoming and not _is_in_sight(situation, lane, until, duration):
         return Proof(None, "the oncoming lane is not in sight far enough")
     full = displaced(way, lateral_of(aside, plan.curve.step * np.arange(len(way.x))) - lateral, back)
-    trace = simulate(snapshot, full, _leaders(situation, x, lateral), limits, duration, headway=PASSING_HEADWAY)
+    trace = simulate(snapshot, full, leaders, limits, duration, headway=PASSING_HEADWAY)
     return _meeting(situation, trace, x.user_ids, aside, margin)
 
 
@@ -195,9 +197,9 @@ def _leaders(situation: Situation, x: Passed, lateral: float) -> Floats:
     share = float(np.interp(needed / abs(lateral), _MADE, _SHARES))
     beside = snapshot.s + share * out if plan.aside is None else share * plan.joins
     table = leader_table(snapshot)
-    is_x = [obstacle.user.id in x.user_ids for obstacle in followed(snapshot)]
-    table[is_x, 2] = beside
-    known = {*x.user_ids, *(obstacle.user.id for obstacle in followed(snapshot))}
+    on_path = [obstacle.user.id for obstacle in followed(snapshot)]
+    table[[user_id in x.user_ids for user_id in on_path], 2] = beside
+    known = {*x.user_ids, *on_path}
     more = [(one.rear, one.speed, math.inf) for one in ahead_on_lane(situation) if known.isdisjoint(one.user_ids)]
     return np.vstack([table, more]) if more else table
 

@@ -28,14 +28,13 @@ EDGE_MARGIN_M = 0.1
 HALTED_GAP_M = 1.0
 """Gap left in front of somebody who has halted, before coming back."""
 
-CRAWLING_SPEED = 0.3
-"""Who drives no faster, m/s, is about to stand: he is none to overtake."""
+ROLLING_SPEED = 0.3
+"""m/s; who rolls no faster is about to stand: he is none to overtake."""
 
 FIND_REACH_M = 80.0
 """Who is passed is looked for on C this far around the ego."""
 
-
-COLUMN = 6
+MOST_PASSED = 6
 """So many are passed in one go; more are a queue."""
 
 
@@ -122,7 +121,7 @@ def find(situation: Situation, user_ids: tuple[str, ...]) -> Passed | None:
 def with_next(situation: Situation, x: Passed, user_id: str) -> Passed | None:
     """Return X with somebody who drives before it and whom the ego would overtake as well; None: he is none."""
     one = next((one for one in ahead_on_lane(situation) if one.user_ids[0] == user_id), None)
-    if one is None or len(x.user_ids) >= COLUMN or one.rear < x.rear or user_id in x.user_ids:
+    if one is None or len(x.user_ids) >= MOST_PASSED or one.rear < x.rear or user_id in x.user_ids:
         return None
     road = situation.plan.road_speed(situation.snapshot.s)
     return x.behind(one) if is_slow(one.speed, road, situation.limits.parameters) else None
@@ -130,7 +129,7 @@ def with_next(situation: Situation, x: Passed, user_id: str) -> Passed | None:
 
 def is_slow(speed: float, road: float, parameters: Parameters) -> bool:
     """Whether somebody drives so slowly (m/s), on a road for `road` (m/s), that he is worth overtaking."""
-    return CRAWLING_SPEED < speed < min(parameters.slow_share * road, road - parameters.slower_by)
+    return ROLLING_SPEED < speed < min(parameters.slow_share * road, road - parameters.slower_by)
 
 
 def _seen(situation: Situation, user_id: str) -> Passed | None:

@@ -20,7 +20,7 @@ FORECAST_REACH_M = 300.0
 """Others are foreseen this far: 13 s at 22 m/s."""
 
 AGAINST_LANE = -0.5
-"""Whoever's heading has such a cosine with his lane's, or less, drives against it."""
+"""Cosine between a heading and the lane; who has less drives against it."""
 
 
 def foresee(graph: RoadGraph, users: tuple[RoadUser, ...], duration: float) -> Forecast:

@@ -174,12 +174,12 @@ def _carried_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
         overtaking, x = overtaking._replace(user_ids=(beside,)), find(situation, (beside,))
         if x is None:
             return OvertakingStep(coming_back)
-    found, lane = proof_under_way(situation, x, way.lateral), lane_in_use(situation, way.lateral)
-    if snapshot.time - overtaking.since > situation.limits.parameters.overtaking_s:
-        found = Proof(None, overtaking.user_ids[0])
+    takes_too_long = snapshot.time - overtaking.since > situation.limits.parameters.overtaking_s
+    found = Proof(None, overtaking.user_ids[0]) if takes_too_long else proof_under_way(situation, x, way.lateral)
     if found.aside is not None:
         moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
         return OvertakingStep(overtaking._replace(user_ids=found.passes), replans=moved, aside=found.aside)
+    lane = lane_in_use(situation, way.lateral)
     if lane is not None and not lane.is_oncoming and _is_over(situation, x):
         return _beside(situation, way, OvertakingStep(overtaking))  # that lane is the ego's by now: who is there follows it
     return _beside(situation, way, _fall_back(situation, overtaking, x, found))
