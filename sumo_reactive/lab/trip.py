@@ -44,6 +44,7 @@ from sumo_reactive.sumo.stand_ins import (
     mapped_elsewhere,
     mapped_next,
     occupied_lane,
+    passed_seen,
     rear_beside,
     rear_unseen,
 )
@@ -90,7 +91,7 @@ class Trip:
             graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
         )
         self._observer, self._sensor = EgoObserver(ego_id, sensor, ego.limits), sensor
-        self._stand_ins = StandIns(ego_id), StandIns(ego_id, ".besides")
+        self._stand_ins = tuple(StandIns(ego_id, label) for label in ("", ".besides", ".passed"))
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of, crossed_before(graph, ego.route.edges))
         state = ego.take_over(session.step_length)
@@ -144,7 +145,7 @@ class Trip:
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
-        self._show(None, None)
+        self._show(None, None, None)
         self._ask("")
         self._ego.release()
 
@@ -157,7 +158,7 @@ class Trip:
         self.arrived = left <= max(self._driving.drive.ego.speed, 0.0) * self._session.step_length
         if self.arrived:
             self.distance += max(left, 0.0)  # the way counts to the goal, as SUMO's does
-            self._show(None, None)
+            self._show(None, None, None)
             self._ask("")
             self._bystanders.leave()
             self._ego.arrive()
@@ -211,20 +212,21 @@ class Trip:
         self._ego.ask(user)
         self._sensor.ask(self.id, user)
 
-    def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, OccupiedLane | None]:
-        """Return where to show the ego besides, at two places at most."""
+    def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, ...]:
+        """Return where to show the ego besides, at two places at most, and then whom it passes."""
         drive, edges = step.drive, self._driving.route.edges
         by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped)
         by = by._replace(mapped=mapped_next(by, self._driving.drive.ego))
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
             behind = left_behind(by, turn, edges[turn.from_index :])
-            return behind, ahead_of_mapping(by, turn, edges[turn.route_index :])
-        stop = step.completed.stop.s if step.completed.stop else math.inf
-        place = mapped_elsewhere(by, drive.s, edges)
-        place = place or occupied_lane(by, drive.s, edges[here.route_index :], stop)
+            return behind, ahead_of_mapping(by, turn, edges[turn.route_index :]), None
+        stop, onward = step.completed.stop.s if step.completed.stop else math.inf, edges[here.route_index :]
+        place = mapped_elsewhere(by, drive.s, edges) or occupied_lane(by, drive.s, onward, stop)
+        passed = self._ego.passing
+        seen = passed_seen(by, self.id, passed, onward, self._session.step_length) if passed else None
         besides = lane_lain_over(by, drive.s, edges, place.lane.id if place else "") or rear_beside(by, drive.s, edges)
-        return place, besides or rear_unseen(by, edges[here.route_index :])
+        return place, besides or rear_unseen(by, onward), seen
 
     def _show(self, *places: OccupiedLane | None) -> None:
         for stand_ins, place in zip(self._stand_ins, places, strict=True):

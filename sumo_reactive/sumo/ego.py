@@ -63,6 +63,9 @@ would keep off others while it waits at red."""
 _IGNORED = "junctionModel.ignoreIDs"
 """SUMO's parameter of a vehicle: ids, with spaces between, of those for whom it does not wait inside junctions."""
 
+_LEFT_SHARE = 0.5
+"""Of the gap in which the ego stands behind others, so much is enough for SUMO to have one change lanes into it."""
+
 _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
 
@@ -75,7 +78,10 @@ def give_back(vehicle_id: str) -> None:
 
 
 class Ego:
-    """One vehicle of a running simulation, moved from outside."""
+    """One vehicle of a running simulation, moved from outside.
+
+    `passing`: whom it passes on its lane, while SUMO has it behind him (empty: nobody).
+    """
 
     def __init__(self, vehicle_id: str, parameters: Parameters = USUAL, *, says_arrival: bool = True) -> None:
         vehicle_class = libsumo.vehicle.getVehicleClass(vehicle_id)
@@ -89,11 +95,14 @@ class Ego:
         self.route = self._read_route(says_arrival)
         self._standing = 0.0
         self._unmapped = self._was_unmapped = False
+        self.passing = ""
         self._let_go: dict[str, str] = {}
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
         self._asks, self._asked = False, ""
         self._leaves_by: Lane | None = None
+        self._min_gap = float(libsumo.vehicle.getMinGap(vehicle_id))
+        self._told_gap = self._min_gap
         self._teleport_after = float(libsumo.simulation.getOption("time-to-teleport"))
 
     def take_over(self, step_length: float) -> VehicleState:
@@ -152,8 +161,9 @@ class Ego:
         if lane is not None and not lane.is_internal:
             self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
-        self._keep_in_order()
+        self._keep_in_order(is_aside=lane is None)
         self._keep_connected(x, y)
+        self._leave_gap(stands=state.speed < STANDING_SPEED)
         libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
         self._warn_of_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
@@ -201,24 +211,28 @@ class Ego:
             position = min(vehicle.getLanePosition(self.id), libsumo.lane.getLength(lane.id))
             vehicle.moveTo(self.id, lane.id, position)
 
-    def _keep_in_order(self) -> None:
+    def _keep_in_order(self, *, is_aside: bool) -> None:
         """Have SUMO sort the ego in anew where it has passed somebody on its lane, as soon as he need not brake for it; and
         behind him until then, where SUMO comes to see it on its lane again.
 
         SUMO keeps the vehicles of a lane in the order in which they came and does not look whether one that is moved from
         outside has passed another: who has been passed would go on without a leader, and drive into the ego. Only a move
-        over another lane sorts it in.
+        over another lane sorts it in. `is_aside`: it leaves its lane to pass.
         """
         vehicle, lane_id, is_back = libsumo.vehicle, libsumo.vehicle.getLaneID(self.id), self._was_unmapped
+        is_on_road = bool(lane_id) and not lane_id.startswith(":")
         self._was_unmapped = not lane_id
-        ahead = vehicle.getLeader(self.id, _SAME_LANE_M)  # looks no farther than that beyond the lane
-        has_passed = bool(ahead) and ahead[1] <= -self.limits.length and vehicle.getLaneID(ahead[0]) == lane_id
-        if not lane_id or lane_id.startswith(":") or not (is_back or has_passed):
+        other, gap = vehicle.getLeader(self.id, _SAME_LANE_M) or ("", 0.0)  # looks no farther than that beyond the lane
+        is_next = is_on_road and bool(other) and vehicle.getLaneID(other) == lane_id
+        self.passing = other if is_next and (is_aside or gap < -self._told_gap) else ""
+        has_passed = is_next and gap <= -self.limits.length
+        if not is_on_road or not (is_back or has_passed):
             return
         position, others = vehicle.getLanePosition(self.id), libsumo.lane.getLastStepVehicleIDs(lane_id)
         near = [vehicle.getLanePosition(one) for one in others if self._is_near_behind(one, position)]
         over = self._another_lane() if bool(near) is not has_passed else ""
         if over:
+            self.passing = ""
             vehicle.moveTo(self.id, over, 0.0)
             vehicle.moveTo(self.id, lane_id, max(0.0, min(near) - _BEFORE_END_M) if near else position)
 
@@ -279,6 +293,14 @@ class Ego:
         if intent is Intent.GO_NEXT:
             return _GO_NEXT_SPEED
         return 0.0 if intent is Intent.YIELD else max(speed, 0.0)
+
+    def _leave_gap(self, *, stands: bool) -> None:
+        """Have SUMO take the gap before a standing ego for large enough to change lanes into: it stands nearer behind others
+        than SUMO's cars do, and one whose lane ends there would wait for it to go as it waits for him."""
+        gap = min(self._min_gap, _LEFT_SHARE * self.limits.standstill_gap) if stands else self._min_gap
+        if gap != self._told_gap:
+            self._told_gap = gap
+            libsumo.vehicle.setMinGap(self.id, gap)
 
     def _warn_of_braking(self, braking: float) -> None:
         """Let those behind expect the hardest braking (m/s²) while the ego brakes harder than its type says, and else what
@@ -342,6 +364,7 @@ class Ego:
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
         self.let_go(())
+        self._leave_gap(stands=False)
         give_back(self.id)
 
     def _refuse_oncoming_side(self) -> None:

@@ -112,7 +112,7 @@ class NetFile:
 
         It holds the routes' edges and the edges opposite them, the junctions at the route's edges' ends with all edges
         that enter and leave them, conflict regions for the connections from route edge to route edge, and the lanes
-        from which others come to these regions. Raises NetworkError for an unknown edge.
+        from which others come to these regions and to the routes' edges. Raises NetworkError for an unknown edge.
         """
         edges = tuple(dict.fromkeys(edge for route in routes for edge in route))
         junctions = {end: self.junction(end) for end in dict.fromkeys(self.end_of(edge) for edge in edges)}
@@ -120,6 +120,7 @@ class NetFile:
         opposite = {edge: other for edge in edges if (other := self._opposite_of(edge))}
         regions = {region.id: region for region in self._regions_on(routes, junctions)}
         others = {region.other_id for region in regions.values()} | set(self._beside(routes, junctions))
+        others |= {c.id for c in connections.values() if edge_id_of(c.to_lane) in edges}
         approaches = {
             c.id: () if c.is_crossing else self._approaches_of(c.from_lane, edge_id_of(c.to_lane))
             for c in connections.values()

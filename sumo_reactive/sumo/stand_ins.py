@@ -179,6 +179,40 @@ def rear_unseen(by: Occupant, edges: tuple[str, ...]) -> OccupiedLane | None:
     return OccupiedLane(lane, x, y, by.ego.speed, edges, waits=True, length=(length - seen) / lane.scale)
 
 
+def passed_seen(by: Occupant, ego_id: str, user_id: str, edges: tuple[str, ...], duration: float) -> OccupiedLane | None:
+    """Return the place right behind the rear that those behind an ego have to look at while it passes a user: its own or
+    his, whichever asks them to drive slower; None: he is on no lane of a road. `edges`: its route from its lane segment on;
+    `duration`: of the next step, s.
+
+    In the order of SUMO the ego is between them: who follows it would not see him, and follow it until he touches him.
+    """
+    vehicle, lane = libsumo.vehicle, by.graph.lanes.get(libsumo.vehicle.getLaneID(user_id))
+    if lane is None or lane.is_internal:
+        return None
+    own, his = (vehicle.getLanePosition(name) - vehicle.getLength(name) for name in (ego_id, user_id))
+    places = {name: vehicle.getLanePosition(name) for name in libsumo.lane.getLastStepVehicleIDs(lane.id)}
+    behind = [name for name, place in places.items() if place < min(own, his) and not is_stand_in(name)]
+    follower = max(behind, key=places.__getitem__, default="")
+    if follower:
+        kept = places[follower] + vehicle.getMinGap(follower)
+        is_his = _followed(follower, his - kept, user_id) < _followed(follower, own - kept, ego_id)
+    else:
+        is_his = his < own
+    if is_his:
+        speed = vehicle.getSpeed(user_id) * lane.scale
+        rear = his * lane.scale + speed * duration
+    else:
+        rear, speed = lane.spine.project(*by.behind_front(by.limits.length))[0], by.ego.speed
+    return OccupiedLane(lane, *lane.spine.at(rear - OCCUPIED_LANE_M), speed, edges, length=UNSEEN_REAR_M)
+
+
+def _followed(name: str, gap: float, leader: str) -> float:
+    """Return how fast a vehicle would drive in its next step with `gap` m to spare behind a leader, m/s."""
+    vehicle = libsumo.vehicle
+    speeds = vehicle.getSpeed(name), vehicle.getSpeed(leader)
+    return float(vehicle.getFollowSpeed(name, speeds[0], gap, speeds[1], vehicle.getApparentDecel(leader)))
+
+
 def left_behind(by: Occupant, turn: Turnaround, edges: tuple[str, ...]) -> OccupiedLane:
     """Return where to show an ego that turns round in several moves: where it began, from the first move on, so that those
     behind leave it the room to back up. `edges`: its route from there on."""
@@ -291,7 +325,7 @@ class StandIns:
         self._type = f"{PREFIX}type.{ego_id}{label}"
         self._present = ""
         self._edges: tuple[str, ...] = ()
-        self._length = 0.0
+        self._length = self._min_gap = self._first_gap = 0.0
 
     def show(self, place: OccupiedLane | None) -> None:
         """Put it where it has to be, or remove it where it need not be (None)."""
@@ -317,6 +351,7 @@ class StandIns:
             if not self._present:
                 self._create(lane, s / lane.scale, speed, edges)
             self._show_length(fixed)
+            self._leave_gap()
             libsumo.vehicle.setSpeed(self._present, speed)
             angle = angle_of(lane.spine.heading_at(s))
             libsumo.vehicle.moveToXY(self._present, "", -1, *lane.spine.at(s), angle, KEEP_ROUTE_EXACT)
@@ -328,6 +363,13 @@ class StandIns:
         if fixed != self._length:
             self._length = fixed
             libsumo.vehicle.setLength(self._present, fixed or libsumo.vehicle.getLength(self._ego_id))
+
+    def _leave_gap(self) -> None:
+        """Have it leave as much before it to those who change lanes as the ego does."""
+        gap = libsumo.vehicle.getMinGap(self._ego_id)
+        if gap != self._min_gap:
+            self._min_gap = gap
+            libsumo.vehicle.setMinGap(self._present, gap)
 
     def hide(self) -> None:
         """Remove the stand-in, if there is one."""
@@ -351,7 +393,7 @@ class StandIns:
         if not self.made:
             self._make_type()
         self.made += 1
-        self._present, self._length = f"{self._name}.{self.made}", 0.0
+        self._present, self._length, self._min_gap = f"{self._name}.{self.made}", 0.0, self._first_gap
         libsumo.route.add(self._present, edges)
         starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
         index, at = (str(lane.index), round(position, 2)) if starts_there else ("best", 0.0)
@@ -363,6 +405,7 @@ class StandIns:
         libsumo.vehicle.setLaneChangeMode(self._present, 0)
 
     def _make_type(self) -> None:
+        self._first_gap = libsumo.vehicle.getMinGap(self._ego_id)
         libsumo.vehicletype.copy(libsumo.vehicle.getTypeID(self._ego_id), self._type)
         libsumo.vehicletype.setMaxSpeed(self._type, _NO_LIMIT)  # SUMO inserts no vehicle above its own limit
         libsumo.vehicletype.setSpeedDeviation(self._type, 0.0)  # SUMO would draw for ever for a factor within its bounds

@@ -119,3 +119,24 @@ def test_a_bus_that_cuts_the_corner_waits_inside_for_nobody_who_has_not_come_in(
     run = driven(tmp_path, net, LONG, car("ego", "sc cd de", departLane=1, type="long"), x, extra=light, until=90)
     assert run.complaints() == []
     assert run.ego.slowest(":c") > 1.0
+
+
+def roundabout(radius: float, arms: str = "abcde", outer: str = "vwxyz") -> Net:
+    """Return a roundabout of two lanes with the entries "va", "wb", …, of two lanes the first."""
+    nodes = edges = ""
+    for k, (near, far) in enumerate(zip(arms, outer, strict=True)):
+        turn = 2.0 * math.pi * k / len(arms)
+        nodes += "".join(
+            node(name, r * math.cos(turn), r * math.sin(turn)) for name, r in ((near, radius), (far, radius + 150))
+        )
+        edges += edge(far + near, priority=1, numLanes=1 + (k == 0)) + edge(near + far, priority=1)
+        edges += edge(near + arms[(k + 1) % len(arms)], priority=5, numLanes=2, speed=11)
+    return Net(nodes, edges, options=("--no-turnarounds", "--roundabouts.guess"))
+
+
+@pytest.mark.parametrize(("radius", "depart"), [(14, 9), (14, 10), (18, 8), (18, 9), (18, 11)])
+def test_a_bus_that_swings_over_the_inner_lane_sees_who_comes_round_from_another_arm(tmp_path, radius, depart):
+    """The road before the last arm is hardly longer than a car: who needs to brake for the bus is still on the one before."""
+    around = stream("f", "va ab bc cd de ez", [4 * k for k in range(8)], departLane=1, type="calm")
+    run = driven(tmp_path, roundabout(radius), around, car("ego", "yd de ez", depart, type="bus"), until=150)
+    assert run.complaints(slower=3.0) == []

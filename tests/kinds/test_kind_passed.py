@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from kinds import Net, Witness, car, driven, edge, node, program, situation, sort, stream
+from kinds import Net, Witness, car, driven, edge, node, program, situation, sort, standing, stream
 
 from sumo_reactive.lab.simulation import run_trial
 
@@ -68,3 +68,31 @@ def test_nobody_is_touched_where_slow_ones_are_passed_among_those_who_come_towar
     oncoming = stream("o", "cb ba", [i * every + drawn.uniform(0, 5) for i in range(600 // every)])
     run = driven(tmp_path, net, *sorts, *slow, oncoming, car("ego", "ab bc", 1), until=700, step=step)
     assert run.complaints(slower=10.0) == []
+
+
+PASSED = {
+    "tractor": sort("tractor", maxSpeed=4, sigma=0) + car("x", "ab bc", type="tractor", departPos=80, departSpeed=4),
+    "two": sort("tractor", maxSpeed=4, sigma=0)
+    + "".join(car(f"x{k}", "ab bc", type="tractor", departPos=80 + 8 * k, departSpeed=4) for k in (0, 1)),
+    "halted": standing("x", "ab bc", "ab_0", 160, 90),
+}
+
+
+@pytest.mark.parametrize("behind", [8, 20])
+@pytest.mark.parametrize("passed", PASSED)
+def test_who_follows_a_passing_ego_sees_whom_it_passes(tmp_path, passed, behind):
+    """The ego is between them in the order of their lane, though beside it: its follower would touch who is passed."""
+    nodes = node("a", 0, 0) + node("b", 900, 0) + node("c", 1100, 0)
+    net = Net(nodes, "".join(edge(ends) for ends in ("ab", "ba", "bc", "cb")))
+    ego = car("ego", "ab bc", 2, departPos=40, departSpeed=8)
+    follower = car("f", "ab bc", 2, departPos=40 - behind, departSpeed=8, type="calm")
+    run = driven(tmp_path, net, PASSED[passed], ego, follower, until=300)
+    assert run.complaints() == []
+    assert run.ego.duration < 80.0  # it passes
+
+
+def test_nobody_is_passed_while_the_ego_is_overtaken(tmp_path):
+    ego = car("ego", "ab bc", 2, departPos=40, departSpeed=8)
+    others = car("f", "ab bc", 2, departPos=20, departSpeed=8) + car("g", "ab bc", 5)
+    slow = sort("tractor", maxSpeed=4, sigma=0) + car("x", "ab bc", type="tractor", departPos=80, departSpeed=3)
+    assert driven(tmp_path, two_way_road(900), slow, ego, others, until=300, step=1.0).complaints() == []

@@ -129,3 +129,27 @@ def test_the_lane_that_c_leaves_by_stays_known_inside_the_junction_and_beside_ev
 
 def test_an_ego_that_has_not_been_on_any_lane_is_led_to_none(monkeypatch, lanes):
     assert led_to(lanes, monkeypatch, by=":j_0_0") == []
+
+
+@pytest.mark.parametrize(
+    ("said", "is_aside", "passing"),
+    [
+        (beside(getLeader=("other", 6.0)), True, "other"),
+        (beside(getLeader=("other", 6.0)), False, ""),
+        (beside(getLeader=("other", -2.4)), False, ""),  # as much as it keeps
+        (beside(getLeader=("other", -2.6)), False, "other"),
+        (beside(getLeader=("other", 6.0), other_lane="w_1"), True, ""),
+        (beside(getLeader=None), True, ""),
+        (beside(getLeader=("other", 6.0), ego_lane="", other_lane=""), True, ""),
+        (beside(), True, ""),  # sorted in
+        (beside(other_s=21.1), True, "other"),  # he would brake
+    ],
+)
+def test_whom_the_ego_passes_is_known_until_sumo_has_it_before_him(monkeypatch, tmp_path, said, is_aside, passing):
+    ego, vehicle = scripted(monkeypatch)
+    vehicle.answers |= said
+    libsumo.lane.answers |= {"getLastStepVehicleIDs": {"w_0": ("ego", "other")}}
+    (tmp_path / "some.net.xml").write_text(MINIMAL)
+    own = read_net(tmp_path / "some.net.xml").lane("w_0")
+    ego.place(state_at(ego), Intent.DRIVE, 0.1, None if is_aside else own)
+    assert ego.passing == passing

@@ -293,3 +293,12 @@ def test_a_body_that_hangs_over_the_start_of_its_lane_lies_straight_back_from_it
     assert (laid is not seen) is is_laid
     assert laid.pose.heading == pytest.approx(0.5 * math.pi + (0.0 if is_laid else 0.5))
     assert front_of(laid.pose, ego.limits) == pytest.approx((x, y)) and laid.speed == speed
+
+
+def test_so_little_room_is_left_before_an_ego_only_while_it_stands(monkeypatch):
+    ego, vehicle = scripted(monkeypatch)  # it stands 2.0 m behind others, its type keeps 2.5 m
+    for speed in (8.0, 0.0, 0.0, 8.0, 0.0):
+        ego.place(state_at(ego, 40.0, 3.0, 0.0, speed), Intent.DRIVE, 0.1, None)
+    ego.release()
+    gaps = [order[2] for order in vehicle.told if order[0] == "setMinGap"]
+    assert gaps == [1.0, 2.5, 1.0, 2.5]

@@ -27,6 +27,7 @@ def scripted(monkeypatch, there=(), **vehicle):
     script(
         monkeypatch,
         vehicle=Domain(
+            getMinGap=2.5,
             getLength=lambda name: {"ego": 5.0, **{one: size for one, (_, size) in others.items()}}[name],
             getLanePosition=lambda name: others[name][0], getTypeID={"ego": "car"}, **vehicle,
         ),

@@ -215,7 +215,9 @@ def _meeting(situation: Situation, trace: Floats, passes: tuple[str, ...], aside
     """Return the proof, after a look at everybody: where foreseen, earlier by the margin, later by half of it; at those whom
     the ego `passes` until it comes back: from then on they follow it."""
     forecast, duration = situation.outlook.forecast, len(trace) * ASSESSMENT_STEP_S
-    speeds, oncoming = _speeds(situation)
+    lane = lane_in_use(situation, aside.lateral)
+    side = math.copysign(1.0, aside.lateral) if lane is not None and lane.is_oncoming else 0.0
+    speeds, oncoming = _speeds(situation, side)
     is_passed = np.array([user_id in passes for user_id in forecast.user_ids], np.bool_)
     early = np.where(oncoming, margin.oncoming, margin.same_way)
     others = np.where(is_passed, np.nan, speeds)
@@ -238,10 +240,11 @@ def _met(situation: Situation, trace: Floats, speeds: Floats, leads: Floats, roo
     return int(k)
 
 
-def _speeds(situation: Situation) -> tuple[Floats, NDArray[np.bool_]]:
+def _speeds(situation: Situation, side: float) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the speed of each path, m/s (NaN: its user need not be looked at), and which come towards the ego.
 
-    Oncoming traffic that moves is taken at its lane's limit if it is slower; who follows on the ego's own lane brakes.
+    Oncoming traffic that moves is taken at its lane's limit if it is slower, and so is who overtakes the ego on the oncoming
+    lane at its `side` (1: left, -1: right, 0: it does not pull out there); who follows on the ego's own lane brakes.
     """
     forecast, pose, limits = situation.outlook.forecast, situation.snapshot.ego.pose, situation.limits
     speeds = np.array(forecast.bodies[:, 2])
@@ -253,9 +256,10 @@ def _speeds(situation: Situation) -> tuple[Floats, NDArray[np.bool_]]:
     ahead, beside = dx * c + dy * s, dy * c - dx * s + forecast.bodies[:, 1]
     along = np.cos(at[:, 2] - pose.heading)
     oncoming = along < -0.5
-    faster = np.maximum(speeds, forecast.bodies[:, 5])
-    speeds = np.where(oncoming & (speeds > STANDING_SPEED), faster, speeds)
     follows = (ahead < limits.front_to_rear_axle - 0.5 * limits.length) & (along > 0.5)
+    overtakes = follows & (beside * side > 0.5 * limits.width + 0.5)
+    gains = (oncoming | overtakes) & (speeds > STANDING_SPEED)
+    speeds = np.where(gains, np.maximum(speeds, forecast.bodies[:, 5]), speeds)
     speeds[follows & (np.abs(beside) < 0.5 * limits.width + 0.5)] = np.nan
     return speeds, oncoming
 

@@ -12,6 +12,7 @@ from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
+from sumo_reactive.driver.view.corridor import next_off_tracking
 from sumo_reactive.driver.view.leaders import ORDINARY_M
 from sumo_reactive.driver.view.long_foes import Size, conflicts_with_long, size_of
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
@@ -108,6 +109,23 @@ def lane_axis(graph: RoadGraph, lane_id: str) -> Mapping[str, float]:
     return axis
 
 
+@kept(1024)
+def axis_before(graph: RoadGraph, lane_id: str) -> Mapping[str, tuple[tuple[float, tuple[str, ...]], ...]]:
+    """Return, by lane id, where lanes start on the axis of `lane_id` (m) that W holds as approaches to it alone, and the
+    edges that who comes from there has before him.
+
+    Their ends are at most `ATTENTION_BEHIND_M` before its start.
+    """
+    axis, found = lane_axis(graph, lane_id), dict[str, tuple[tuple[float, tuple[str, ...]], ...]]()
+    for connection in graph.ways_into(lane_id):
+        line = -sum(graph.lanes[part].spine.length for part in connection.parts)
+        for one in graph.approaches.get(connection.id, ()):
+            start = line - one.distance
+            if one.lane_id not in axis and start + graph.lanes[one.lane_id].spine.length > -ATTENTION_BEHIND_M:
+                found[one.lane_id] = (*found.get(one.lane_id, ()), (start, one.edges))
+    return found
+
+
 def in_sight(plan: NominalPlan, front: float, speed: float) -> tuple[int, ...]:
     """Return the indices of the passages that matter with the front bumper at `front` (m) and `speed` (m/s)."""
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
@@ -164,16 +182,20 @@ def lanes_in_sight(
         beside = lane_sought(graph, plan, front) or change.to_lane
     elif (merge := plan.merging(front)) is not None:
         beside = merge.to_lane
-    return _lanes_of(plan, graph, limits, (ways, plan.segments[-1].start <= reach, in_sight(plan, front, speed), beside))
+    cut = next_off_tracking(plan, graph, limits, front - limits.front_overhang, front)
+    onto = tuple(lane for lane in (beside, cut.lane_id if cut else "") if lane)
+    return _lanes_of(plan, graph, limits, (ways, plan.segments[-1].start <= reach, in_sight(plan, front, speed), onto))
 
 
 @kept(PLANS_KEPT)
 def _lanes_of(
-    plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, seen: tuple[tuple[int, ...], bool, tuple[int, ...], str]
-) -> tuple[str, ...]:
-    """Return the lanes of and around what is `seen` of a plan: segments, whether that is all, passages, a lane beside."""
+    plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits,
+    seen: tuple[tuple[int, ...], bool, tuple[int, ...], tuple[str, ...]],
+) -> tuple[str, ...]:  # fmt: skip
+    """Return the lanes of and around what is `seen` of a plan: segments, whether that is all, passages, lanes beside that
+    the body comes onto."""
     lanes: dict[str, None] = {}
-    ways, is_all, passages, beside = seen
+    ways, is_all, passages, onto = seen
     for i in ways:
         lane = graph.lanes[plan.segments[i].lane_id]
         lanes.update((one.id, None) for one in graph.edge_lanes.get(lane.edge_id, (lane,)))
@@ -183,8 +205,8 @@ def _lanes_of(
     for i in passages:
         lanes.update(dict.fromkeys(lanes_around(graph, plan.passages[i].connection_id)))
         lanes.update(dict.fromkeys(_lanes_to(graph, swept_conflicts(plan, graph, limits).get(i, ()))))
-    if beside:
-        lanes.update(dict.fromkeys(lane_axis(graph, beside)))
+    for lane_id in onto:
+        lanes.update(dict.fromkeys((*lane_axis(graph, lane_id), *axis_before(graph, lane_id))))
     return tuple(lanes)
 
 

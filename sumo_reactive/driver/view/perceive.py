@@ -20,6 +20,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.attention import (
     ATTENTION_MIN_AHEAD_M,
     ATTENTION_TIME_S,
+    axis_before,
     in_sight,
     lane_axis,
     lane_sought,
@@ -73,7 +74,7 @@ def perceive(
         off_tracking = None
     beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
-    neighbours = tuple(_neighbours(traffic.users, lane_axis(graph, beside), own)) if beside else ()
+    neighbours = tuple(_neighbours(traffic.users, graph, beside, own)) if beside else ()
     static = static_near(graph, plan, limits.vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     narrows = narrows_of(plan, graph, limits)
     met = [
@@ -211,8 +212,13 @@ def _asker(traffic: Traffic, plan: NominalPlan, graph: RoadGraph, front: float) 
     return Neighbour(user, user.lane_position - (here.lane_offset + front - here.start))
 
 
-def _neighbours(users: tuple[RoadUser, ...], axis: Mapping[str, float], own: float) -> Iterator[Neighbour]:
+def _neighbours(users: tuple[RoadUser, ...], graph: RoadGraph, lane_id: str, own: float) -> Iterator[Neighbour]:
+    """Yield who is on the axis of a lane, on which the ego's front is at `own` m, or comes to it from farther back."""
+    axis, before = lane_axis(graph, lane_id), axis_before(graph, lane_id)
     for user in users:
         start = axis.get(user.lane_id)
+        if start is None and user.lane_id in before:
+            ways = before[user.lane_id]
+            start = next((at for at, edges in ways if user.route[: len(edges)] == edges), None)
         if start is not None:
             yield Neighbour(user, start + user.lane_position - own)
