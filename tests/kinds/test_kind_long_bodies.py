@@ -136,7 +136,7 @@ def roundabout(radius: float, arms: str = "abcde", outer: str = "vwxyz") -> Net:
 
 @pytest.mark.parametrize(("radius", "depart"), [(14, 9), (14, 10), (18, 8), (18, 9), (18, 11)])
 def test_a_bus_that_swings_over_the_inner_lane_sees_who_comes_round_from_another_arm(tmp_path, radius, depart):
-    """The road before the last arm is hardly longer than a car: who needs to brake for the bus is still on the one before."""
+    """The road before the last arm is hardly longer than a car: who has to brake for the bus is still before that."""
     around = stream("f", "va ab bc cd de ez", [4 * k for k in range(8)], departLane=1, type="calm")
     run = driven(tmp_path, roundabout(radius), around, car("ego", "yd de ez", depart, type="bus"), until=150)
     assert run.complaints(slower=3.0) == []
