@@ -1,4 +1,5 @@
-"""Stand-ins: they show the ego on a lane that its body occupies but SUMO does not map it to, so that others see it there."""
+"""Stand-ins: they show others what SUMO hides from them: the ego on a lane that its body occupies but SUMO does not map it
+to, and whom it passes."""
 
 from __future__ import annotations
 
