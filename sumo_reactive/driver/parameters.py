@@ -193,7 +193,7 @@ class Parameters:
     """…and this far, and the way to stop."""
 
     yellow_s: float = 3.0
-    """The least time that a light is yellow (StVO, at 50 km/h); SUMO's programs have no less unless the user says so."""
+    """The least time that a light is yellow (StVO, at 50 km/h), where nobody knows when it ends."""
 
     yellow_deceleration: float = 3.0
     """A yellow is obeyed where this braking suffices (design value of yellow times: 3.0–3.4 m/s²)."""

@@ -42,6 +42,7 @@ class EgoObserver:
         sensor = self._sensor
         now = sensor.look()
         lights = {light: sensor.letters(light) for light in self._lights}
+        yellow_until = {light: sensor.yellow_until(light) for light, letters in lights.items() if "y" in letters}
         horizon = self._limits.parameters.foreseen_lights_s
         switches = {light: sensor.switches(light, horizon) for light in self._lights} if horizon else NO_SWITCHES
         static = NOTHING if self._static.is_empty else self._static.near(*plan.curve.at(front)[:2])
@@ -53,8 +54,8 @@ class EgoObserver:
             users, boxes = users + others, boxes + packed_boxes(others)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(
-            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches,
-            asker=sensor.asker_of(self._ego_id), as_packed=boxes,
+            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, yellow_until=yellow_until,
+            switches=switches, asker=sensor.asker_of(self._ego_id), as_packed=boxes,
         )  # fmt: skip
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:

@@ -80,6 +80,9 @@ class StopLines:
         return found
 
 
+LONGEST_YELLOW_S = 10.0
+"""What is yellow for longer does not end by a program."""
+
 ROUTE_AHEAD = 16
 """Edges of another vehicle's route that are kept."""
 
@@ -178,6 +181,11 @@ class Sensor:
         if found is None:
             found = self._letters[light_id] = libsumo.trafficlight.getRedYellowGreenState(light_id)
         return found
+
+    def yellow_until(self, light_id: str) -> float:
+        """Return when a light that is yellow will switch, s; infinite: nobody knows, since it is set from outside."""
+        until = float(libsumo.trafficlight.getNextSwitch(light_id))
+        return until if until <= self._now + LONGEST_YELLOW_S else math.inf
 
     def switches(self, light_id: str, horizon: float) -> tuple[tuple[float, str], ...]:
         """Return when a light of a fixed program will switch within `horizon` s, and its letters from then on."""

@@ -59,6 +59,16 @@ def test_a_yellow_near_or_far_before_the_line_leads_nobody_over_red(tmp_path, gr
     assert run.complaints() == []
 
 
+@pytest.mark.parametrize("yellow", [1.0, 2.0])
+@pytest.mark.parametrize("green", [3.0, 3.6, 4.2, 4.4, 5.0, 5.6])
+def test_a_yellow_that_is_shorter_than_usual_leads_nobody_over_red_who_can_stop(tmp_path, green, yellow):
+    """The program says how short it is, and whoever drives there knows; one is behind."""
+    light = program("c", (green, MAIN), (yellow, MAIN_YELLOW), (15, SIDE), (yellow, SIDE_YELLOW), (40, MAIN))
+    cross_traffic = stream("n", "nc cs", [green, green + 2]) + car("behind", "wc ce", 1.6)
+    run = driven(tmp_path, LIGHTS, car("ego", "wc ce"), cross_traffic, extra=light)
+    assert run.complaints() == []
+
+
 @pytest.mark.parametrize("green", [3.0, 4.0, 4.4, 5.0, 5.6])
 def test_a_program_without_yellow_stops_whoever_can_stop(tmp_path, green):
     light = program("c", (green, MAIN), (12, SIDE), (40, MAIN))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import VehicleState
-from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, RoadUser, Switches
+from sumo_reactive.driver.nouns.traffic import NO_SWITCHES, NO_YELLOWS, RoadUser, Switches
 from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.driver.world.junction import Connection
 from sumo_reactive.driver.world.regions import ConflictRegion
@@ -91,7 +91,8 @@ class Snapshot(NamedTuple):
     none. `lights`: letters by light id. `passages`: the plan's passages in sight, by index. `off_tracking`: the next place,
     on a road, where the body will cover the lane beside; `neighbours` are then those on that lane. `room`: how far the ego
     may lean to the left and right of C inside its lane, m. `parameters`: the driver's. `switches`: when lights will
-    switch, if the driver knows. `asker`: who on a lane of the ego's road asks to be let in.
+    switch, if the driver knows. `asker`: who on a lane of the ego's road asks to be let in. `yellow_until`: when a light
+    that is yellow will switch, s, by its id, as far as is known.
     """
 
     time: float
@@ -112,3 +113,4 @@ class Snapshot(NamedTuple):
     parameters: Parameters = USUAL
     switches: Switches = NO_SWITCHES
     asker: Neighbour | None = None
+    yellow_until: Mapping[str, float] = NO_YELLOWS

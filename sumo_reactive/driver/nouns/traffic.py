@@ -87,6 +87,9 @@ Switches = Mapping[str, tuple[tuple[float, str], ...]]
 NO_SWITCHES: Switches = {}
 """Nothing is known of the lights' future."""
 
+NO_YELLOWS: Mapping[str, float] = {}
+"""Nothing is known of when a yellow ends."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Traffic:
@@ -94,9 +97,10 @@ class Traffic:
 
     `sight` (m): how far ahead the oncoming lane was looked at. `static` (k, 2): points, m, of what stands near for good,
     roads' borders apart, which the map tells. `beside`: pedestrians who are about to step on a crossing, their position
-    negative or beyond its length; they are not on the road yet. `switches`: what is known of the lights' future.
-    `asker`: which other ego asks this one to let it in (empty: none does). `as_packed`: the boxes of all `users`, where
-    whoever has seen them has packed them.
+    negative or beyond its length; they are not on the road yet. `yellow_until` (s): when a light that is yellow will switch,
+    by its id, as far as is known: how long a yellow lasts everybody sees who drives there. `switches`: what is known of the
+    lights' future. `asker`: which other ego asks this one to let it in (empty: none does). `as_packed`: the boxes of all
+    `users`, where whoever has seen them has packed them.
     """
 
     time: float
@@ -105,6 +109,7 @@ class Traffic:
     sight: float = 0.0
     static: NDArray[np.float64] = field(default_factory=lambda: NO_POINTS, compare=False)
     beside: tuple[RoadUser, ...] = ()
+    yellow_until: Mapping[str, float] = field(default_factory=lambda: NO_YELLOWS)
     switches: Switches = field(default_factory=lambda: NO_SWITCHES)
     asker: str = ""
     as_packed: bytearray | None = field(default=None, compare=False, repr=False)

@@ -91,7 +91,7 @@ def perceive(
     room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
     return Snapshot(
         traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking, room,
-        limits.parameters, traffic.switches, asker,
+        limits.parameters, traffic.switches, asker, traffic.yellow_until,
     )  # fmt: skip
 
 

@@ -109,8 +109,10 @@ def second_line(speed: float, away: float, behind: float, since: float = 100.0) 
 ROWS: dict[str, tuple[Callable[[float], bool], float, float, float]] = {
     "m behind at which a stop makes it late": (lambda m: second_line(13.0, 25.0, m, 99.435), 0.1, 40.0, 8.577),
     "s at which the yellow began": (lambda t: second_line(10.0, 15.0, 5.0, t), 90.0, 100.0, 99.0),
-    "m before the line with a stop behind": (lambda m: second_line(10.0, m, 1.0, 97.5), 5.0, 16.0, 11.261),
-    "m/s with a stop behind": (lambda v: second_line(v, 8.0, 1.0, 97.5), 7.2, 15.0, 8.404),
+    "m before the line with a stop behind": (lambda m: second_line(10.0, m, 1.0, 98.2), 5.0, 16.0, 11.261),
+    "m/s with a stop behind": (lambda v: second_line(v, 8.0, 1.0, 98.1), 7.2, 15.0, 8.404),
+    "m before the line when it would pass at red": (lambda m: second_line(10.0, m, 1.0, 97.4), 4.0, 16.0, 5.706),
+    "m/s when it would pass at red": (lambda v: second_line(v, 8.0, 1.0, 97.1), 7.2, 15.0, 11.887),
 }
 
 

@@ -36,7 +36,7 @@ def stop_at_line(
     if letter:
         asked = signal(letter, to_stop, speed, limits.emergency_deceleration, p.yellow_deceleration)
     memory, since = _yellow_since(connection.id, letter, snapshot.time, memory)
-    red = math.inf if since is None else since + p.yellow_s
+    red = snapshot.yellow_until.get(light, math.inf if since is None else since + p.yellow_s)
     if asked is Signal.GO_ON_YELLOW and _comes_too_late(way, snapshot, limits, red):
         asked = Signal.STOP_ON_YELLOW
     if asked in _REASONS:
@@ -67,9 +67,12 @@ def _yellow_since(name: str, letter: str, time: float, memory: PilotMemory) -> t
 
 def _comes_too_late(way: Crossing, snapshot: Snapshot, limits: VehicleLimits, red: float) -> bool:
     """Whether the ego passes the line hardly before `red` (s) or later, at its speed or since it means to stop behind it (at
-    a second line, or a queue) or to turn there, and can still stop by braking harder than for a fresh yellow."""
+    a second line, or a queue) or to turn there, and can still stop by braking harder than for a fresh yellow: as hard as for
+    a red without yellow, where it would pass at red in any case."""
     speed, to_line = snapshot.ego.speed, way.passage.start - snapshot.front
-    if speed * speed > 2.0 * limits.service_deceleration * max(to_line - HARD_STOP_MARGIN_M, 0.0):
+    is_red = snapshot.time + to_line / speed > red
+    hardest = limits.emergency_deceleration if is_red else limits.service_deceleration
+    if speed * speed > 2.0 * hardest * max(to_line - HARD_STOP_MARGIN_M, 0.0):
         return False
     to_turn = to_line + 0.5 * (way.passage.end - way.passage.start)
     places = (max(way.stop - snapshot.front, to_line), 0.0), (to_turn, way.pace)
