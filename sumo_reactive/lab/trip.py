@@ -28,7 +28,7 @@ from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.sumo.ego import Ego
-from sumo_reactive.sumo.lying_over import lane_lain_over
+from sumo_reactive.sumo.lying_over import lane_lain_over, lane_turned_over
 from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observed_vehicle import Bystanders
 from sumo_reactive.sumo.observer import EgoObserver
@@ -91,7 +91,7 @@ class Trip:
             graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
         )
         self._observer, self._sensor = EgoObserver(ego_id, sensor, ego.limits), sensor
-        self._stand_ins = tuple(StandIns(ego_id, label) for label in ("", ".besides", ".passed"))
+        self._stand_ins = tuple(StandIns(ego_id, label) for label in ("", ".besides", ".third"))
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of, crossed_before(graph, ego.route.edges))
         state = ego.take_over(session.step_length)
@@ -213,14 +213,15 @@ class Trip:
         self._sensor.ask(self.id, user)
 
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, ...]:
-        """Return where to show the ego besides, at two places at most, and then whom it passes."""
+        """Return where to show the ego besides, at two places at most, or three in a turn, and then whom it passes."""
         drive, edges = step.drive, self._driving.route.edges
         by = Occupant(self._driving.graph, drive.plan, here, drive.ego, self.limits, self._mapped)
         by = by._replace(mapped=mapped_next(by, self._driving.drive.ego))
         if drive.memory.move is not None:
             turn = drive.plan.turnarounds[drive.memory.move[0]]
             behind = left_behind(by, turn, edges[turn.from_index :])
-            return behind, ahead_of_mapping(by, turn, edges[turn.route_index :]), None
+            ahead = ahead_of_mapping(by, turn, edges[turn.route_index :])
+            return behind, ahead, lane_turned_over(by, turn, {one.lane.id for one in (behind, ahead) if one})
         stop, onward = step.completed.stop.s if step.completed.stop else math.inf, edges[here.route_index :]
         place = mapped_elsewhere(by, drive.s, edges) or occupied_lane(by, drive.s, onward, stop)
         passed = self._ego.passing

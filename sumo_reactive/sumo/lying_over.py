@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 import shapely
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.driving import segment_at
-from sumo_reactive.driver.nouns.plan import LaneSegment
+from sumo_reactive.driver.nouns.plan import LaneSegment, Turnaround
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.view.corridor import OFF_TRACKING_M
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
@@ -38,28 +38,51 @@ def lane_lain_over(by: Occupant, s: float, edges: tuple[str, ...], shown: str = 
     somebody there.
     """
     front = s + by.limits.front_overhang
-    ends = by.here, segment_at(by.plan, front - by.limits.length)
+    ends = by.here, _rear_segment(by, front)
     if _are_near_middle(by, ends):
         return None
     corners = _corners(by)
     if _is_within(by.graph, ends, corners):
         return None
-    box, most, found = shapely.polygons(corners), 0.0, None
-    for lane, along in _lanes_around(by, ends, front, shown):
-        area = shapely.intersection(box, _middle_of(lane, _left_beside(lane)))
-        if shapely.area(area) > most:
-            most, found = shapely.area(area), (lane, along, area)
-    if found is None:
+    around = dict(_lanes_around(by, ends, front, shown))
+    lane, area = _most_covered(by, corners, around)
+    if lane is None:
         return None
-    lane, along, area = found
-    if along is not None:
-        passes = by.plan.aside is not None
-        return OccupiedLane(lane, *by.front, by.ego.speed, edges[along.route_index :], waits=passes, is_early=passes)
-    reach = lane.spine.arc_lengths_at(shapely.get_coordinates(area))
+    along = around[lane]
+    if along is None:
+        return _standing_on(by.graph, lane, area)
+    passes = by.plan.aside is not None
+    return OccupiedLane(lane, *by.front, by.ego.speed, edges[along.route_index :], waits=passes, is_early=passes)
+
+
+def lane_turned_over(by: Occupant, turn: Turnaround, shown: Collection[str]) -> OccupiedLane | None:
+    """Return where to show an ego that turns round in several moves on the lane that it lies over most, of the roads that it
+    turns from and into, as something that stands there; None: it is `shown` on all of them, or known to SUMO there."""
+    roads = (by.graph.lanes[end].edge_id for end in (turn.from_lane, turn.to_lane))
+    over = (lane for road in roads for lane in by.graph.edge_lanes[road] if lane.id != by.mapped and lane.id not in shown)
+    lane, area = _most_covered(by, _corners(by), over)
+    return None if lane is None else _standing_on(by.graph, lane, area)
+
+
+def _most_covered(by: Occupant, corners: _Corners, lanes: Iterable[Lane]) -> tuple[Lane | None, Any]:
+    """Return on which of the `lanes` that its like may drive on a body covers most, and the ground of it."""
+    box, most, found, covered = shapely.polygons(corners), 0.0, None, None
+    for lane in lanes:
+        if not lane.allows(by.limits.vehicle_class):
+            continue
+        ground = shapely.intersection(box, _middle_of(lane, _left_beside(lane)))
+        if shapely.area(ground) > most:
+            most, found, covered = shapely.area(ground), lane, ground
+    return found, covered
+
+
+def _standing_on(graph: RoadGraph, lane: Lane, ground: Any) -> OccupiedLane | None:
+    """Return what stands on a lane as long as its covered `ground`; None where that is behind its end."""
+    reach = lane.spine.arc_lengths_at(shapely.get_coordinates(ground))
     first, last = float(reach.min()), min(float(reach.max()), lane.spine.length - _BEFORE_GOAL_M)
     if last <= first:
         return None
-    place, ways = lane.spine.at(last), _ways_to(by.graph, lane, first)
+    place, ways = lane.spine.at(last), _ways_to(graph, lane, first)
     return OccupiedLane(lane, *place, 0.0, (lane.edge_id,), waits=True, ways=ways, is_early=True, length=last - first)
 
 
@@ -68,6 +91,16 @@ def _ways_to(graph: RoadGraph, lane: Lane, first: float) -> tuple[str, ...]:
     if first > _SOON_BEHIND_M:
         return ()
     return tuple(part for way in graph.ways_into(lane.id) for part in (way.from_lane, *way.parts))
+
+
+def _rear_segment(by: Occupant, front: float) -> LaneSegment:
+    """Return the segment of C that SUMO has the rear on: after a change of lanes that where the front is, too."""
+    rear = segment_at(by.plan, front - by.limits.length)
+    return by.here if _edge_of(by, rear) == _edge_of(by, by.here) else rear
+
+
+def _edge_of(by: Occupant, segment: LaneSegment) -> str:
+    return by.graph.lanes[segment.lane_id].edge_id
 
 
 _Corners = tuple[tuple[float, float], ...]
@@ -130,10 +163,11 @@ def _lanes_around(
 
 
 def _known_to_sumo(by: Occupant) -> Iterator[str]:
-    """Yield the lane that SUMO maps the ego to, and those of C behind it, on which it has the rear."""
+    """Yield the lane that SUMO maps the ego to, and those of C behind its edge, on which it has the rear."""
     lanes = [segment.lane_id for segment in by.plan.segments]
     yield by.mapped
-    yield from lanes[: lanes.index(by.mapped)] if by.mapped in lanes else ()
+    behind = lanes[: lanes.index(by.mapped)] if by.mapped in lanes else ()
+    yield from (lane for lane in behind if by.graph.lanes[lane].edge_id != by.graph.lanes[by.mapped].edge_id)
 
 
 def _roads_of(graph: RoadGraph, own: Lane) -> tuple[str, ...]:

@@ -90,3 +90,19 @@ def test_a_queue_behind_a_breakdown_is_passed_and_the_lane_of_the_turn_is_taken_
     run = driven(tmp_path, net, stuck, broken, queue, car("ego", "ab bc cd", 2, departLane=lane), until=200)
     assert run.complaints() == []
     assert run.ego.duration < 60.0
+
+
+@pytest.mark.parametrize("length", [20, 22])
+def test_who_waits_aslant_after_a_change_on_a_short_road_is_seen_by_those_who_pass_on_the_lane_that_it_came_from(
+    tmp_path, length
+):
+    """It turns right onto a road of some ten metres, and left from its other lane, where the light is red."""
+    nodes = node("a", -150, 0) + node("b", 0, 0) + node("c", length, 0, type="traffic_light") + node("d", length + 150, 0)
+    nodes += node("s", 0, -120) + node("n", length, 120)
+    ways = edge("ab") + edge("sb", priority=-2) + edge("bc", numLanes=2) + edge("cd") + edge("cn")
+    links = link("ab bc") + link("sb bc") + link("bc cd") + link("bc cn", "10")
+    light = program("c", (40, "Gr"), (3, "yr"), (20, "rG"))
+    beside = stream("x", "ab bc cd", [9, 14, 16.5, 19, 21.5, 24])
+    net = Net(nodes, ways, links)
+    run = driven(tmp_path, net, car("ego", "sb bc cn"), beside, extra=light, step=0.5)
+    assert run.complaints() == []

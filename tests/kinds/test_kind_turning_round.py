@@ -158,3 +158,13 @@ def test_a_turn_waits_for_a_queue_where_it_ends_and_is_seen_from_its_first_move_
     run = driven(tmp_path, short_way_back(), ego, behind, head, queue, until=200.0)
     assert run.complaints() == []
     assert lost(run) < TURN_S
+
+
+@pytest.mark.parametrize("late", [0.0, 3.0])
+def test_a_bus_that_backs_up_in_a_turn_is_seen_on_each_lane_that_it_lies_over(tmp_path, late):
+    nodes = node("a", 0, 0) + node("b", 180, 0)
+    roads = edge("ab", numLanes=2) + edge("ba", numLanes=2)
+    net = Net(nodes, roads, link("ab ba", "11"), options=())
+    beside = stream("x", "ab", [20.0 + late, 24.5 + late], departLane=0, type="bus")
+    run = driven(tmp_path, net, car("ego", "ab ba", 2, type="bus", departLane=1), beside, until=120.0)
+    assert run.complaints(slower=3.0) == []

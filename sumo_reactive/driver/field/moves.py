@@ -36,7 +36,7 @@ STEP_M = 0.2
 """Poses on the arc ahead are looked at this far apart."""
 
 FORESEEN_S = 1.0
-"""Who drives is looked for where he is, and where he will be after this time."""
+"""Who drives is looked for where he is, and as far as he comes within this time."""
 
 
 def moved_on(
@@ -84,7 +84,7 @@ def _wheels(move: Move, left: float, speed: float, limits: VehicleLimits) -> flo
 
 def _is_free(snapshot: Snapshot, move: Move, left: float, way: float, limits: VehicleLimits) -> bool:
     """Whether nobody is touched, now or soon, within `way` m, of which the arc has `left`, whom the ego does not leave."""
-    boxes = [where for box in snapshot.boxes.tolist() for where in _places(*box[:6])]
+    boxes = [_covered(*box[:6]) for box in snapshot.boxes.tolist()]
     near = [box for box in boxes if not _touched(snapshot.ego.pose, box, limits)]
     steps = max(math.ceil(way / STEP_M), 1)
     pose = snapshot.ego.pose
@@ -100,10 +100,10 @@ def _of(pose: Pose) -> tuple[float, float, float]:
     return pose.x, pose.y, pose.heading
 
 
-def _places(x: float, y: float, heading: float, speed: float, length: float, width: float) -> list[Box]:
-    """Return the boxes that a body with its front at (`x`, `y`) covers now and soon."""
-    ways = (0.0,) if speed == 0.0 else (0.0, speed * FORESEEN_S)
-    return [box_of(x + way * math.cos(heading), y + way * math.sin(heading), heading, length, width) for way in ways]
+def _covered(x: float, y: float, heading: float, speed: float, length: float, width: float) -> Box:
+    """Return the box of what a body with its front at (`x`, `y`) covers now and soon."""
+    way = speed * FORESEEN_S
+    return box_of(x + way * math.cos(heading), y + way * math.sin(heading), heading, length + way, width)
 
 
 def _touched(pose: Pose, box: Box, limits: VehicleLimits) -> bool:
