@@ -54,8 +54,8 @@ class EgoObserver:
             users, boxes = users + others, boxes + packed_boxes(others)
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(
-            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, yellow_until=yellow_until,
-            switches=switches, asker=sensor.asker_of(self._ego_id), as_packed=boxes,
+            time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches,
+            yellow_until=yellow_until, asker=sensor.asker_of(self._ego_id), as_packed=boxes,
         )  # fmt: skip
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:

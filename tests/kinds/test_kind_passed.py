@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from kinds import Net, Witness, car, driven, edge, node, program, situation, sort, standing, stream
+from kinds import STEP_S, Net, Witness, car, driven, edge, node, program, situation, sort, standing, stop, stream
 
 from sumo_reactive.lab.simulation import run_trial
 
@@ -96,3 +96,17 @@ def test_nobody_is_passed_while_the_ego_is_overtaken(tmp_path):
     others = car("f", "ab bc", 2, departPos=20, departSpeed=8) + car("g", "ab bc", 5)
     slow = sort("tractor", maxSpeed=4, sigma=0) + car("x", "ab bc", type="tractor", departPos=80, departSpeed=3)
     assert driven(tmp_path, two_way_road(900), slow, ego, others, until=300, step=1.0).complaints() == []
+
+
+@pytest.mark.parametrize("until", [125, 129, 134])
+def test_who_drives_on_before_the_last_of_a_column_is_not_chased_beside_it(tmp_path, until):
+    """The first two of three crawl only as far as `until` (m): the ego comes back behind them, before the third."""
+    slow, net = sort("tractor", maxSpeed=3, sigma=0), two_way_road(900)
+    crawls = stop("ab_0", until, startPos=60, speed=3)
+    first = "".join(car(f"x{k}", "ab bc", stops=crawls, departPos=88 + 8 * k, departSpeed=3) for k in (0, 1))
+    last = car("y", "ab bc", type="tractor", departPos=80, departSpeed=3)
+    scenario = situation(tmp_path, net, slow, first, last, car("ego", "ab bc", 1), until=200)
+    witness, passing = Witness(), []
+    run_trial(scenario, observer=lambda scene: (witness(), passing.append(scene.step.behaviour == "overtaking")))
+    assert witness.touched == {}
+    assert 0.0 < sum(passing) * STEP_S < 20.0  # it stayed there to the end of the road

@@ -146,6 +146,8 @@ def _seen(situation: Situation, user_id: str) -> Passed | None:
     aside = situation.plan.aside
     off = 0.0 if aside is None else float(lateral_of(aside, np.array([s]))[0])
     across = lateral if abs(d + off - lateral) < 0.5 * situation.outlook.lane_width else d + off  # exact on the ego's lane
+    if abs(across) > situation.outlook.lane_width:  # he has left the ego's lane
+        return None
     left, right = across + 0.5 * width, across - 0.5 * width
     return Passed((user_id,), s - length, s, speed, left, right, width, speed < STANDING_SPEED)
 

@@ -179,10 +179,19 @@ def _carried_on(situation: Situation, overtaking: Overtaking) -> OvertakingStep:
     if found.aside is not None:
         moved = abs(found.aside.back - way.back) > UPDATE_ASIDE_M
         return OvertakingStep(overtaking._replace(user_ids=found.passes), replans=moved, aside=found.aside)
+    reached = tuple(one for one in overtaking.user_ids if _is_reached(situation, one))
+    if reached and reached != overtaking.user_ids:  # it comes back behind those who drive on before the others
+        return _carried_on(situation, overtaking._replace(user_ids=reached))
     lane = lane_in_use(situation, way.lateral)
     if lane is not None and not lane.is_oncoming and _is_over(situation, x):
         return _beside(situation, way, OvertakingStep(overtaking))  # that lane is the ego's by now: who is there follows it
     return _beside(situation, way, _fall_back(situation, overtaking, x, found))
+
+
+def _is_reached(situation: Situation, user_id: str) -> bool:
+    """Whether the ego is beside somebody whom it passes, or has passed him."""
+    one = find(situation, (user_id,))
+    return one is not None and one.rear < situation.snapshot.front
 
 
 def _beside(situation: Situation, way: Aside, step: OvertakingStep) -> OvertakingStep:
