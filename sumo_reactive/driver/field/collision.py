@@ -56,6 +56,14 @@ def within_reach(
 
 
 @kernel
+def _touches(
+    x: float, y: float, heading: float, length: float, width: float, box: Floats, t: float, turn_rate: float, wide: float
+) -> bool:
+    """Whether the ego, its middle at (x, y) then, touches a box (7), taken to be `wide`, as it is foreseen after `t` s."""
+    return boxes_overlap(x, y, heading, length, width, *foreseen_pose(box, t, turn_rate), box[4], wide)
+
+
+@kernel
 def braking_collides(
     x: float, y: float, heading: float, speed: float, steering_angle: float, wheelbase: float, axle_to_front: float,
     length: float, width: float, deceleration: float, boxes: Floats, start: float, horizon: float, step: float,
@@ -81,14 +89,10 @@ def braking_collides(
             swings = boxes[k, 4] > LONG_M and boxes[k, 6] != 0.0 and math.cos(boxes[k, 2] - heading) > ALONG
             if boxes[k, 3] * t > boxes[k, 7] or (v <= 0.0 and not swings):
                 continue
-            touched = True
-            for turn_rate in (boxes[k, 6], 0.0):
-                if turn_rate == 0.0 and swings:
-                    continue
-                bx, by, bh = foreseen_pose(boxes[k], t, turn_rate)
-                wide = boxes[k, 5] + (2.0 * TAIL_M if swings else 0.0)
-                touched = touched and boxes_overlap(cx, cy, ph, length, width, bx, by, bh, boxes[k, 4], wide)
-            if touched:
+            wide, turns = boxes[k, 5] + (2.0 * TAIL_M if swings else 0.0), boxes[k, 6] != 0.0
+            if _touches(cx, cy, ph, length, width, boxes[k], t, boxes[k, 6], wide) and (
+                swings or not turns or _touches(cx, cy, ph, length, width, boxes[k], t, 0.0, wide)
+            ):
                 return True
         px, py, ph = advance_pose(px, py, ph, v, steering_angle, wheelbase, step)
         v = max(0.0, v - deceleration * step)

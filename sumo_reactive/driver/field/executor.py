@@ -192,12 +192,12 @@ def _choose(
     snapshot: Snapshot, curve: Curve, car: Floats, bounds: _Bounds, grid: CommandGrid, valley: ValleyMap
 ) -> tuple[Command, int, Potentials, VehicleState]:
     """Return the command, the verdict on it, its potentials and the state that it leads to."""
-    acceleration, rate, verdict, u1, u2, u3, x, y, heading, speed, angle = choose_command(
+    acceleration, rate, best = choose_command(
         car, grid.accelerations, grid.steering_rates, grid.rounds, *bounds,
         curve.x, curve.y, curve.heading, curve.step, snapshot.s, snapshot.static,
         valley.bitmaps, valley.x0, valley.y0, valley.cell, snapshot.boxes, *snapshot.room, driver_of(snapshot.parameters),
     )  # fmt: skip
-    w1, w2, w3 = car[-3:].tolist()
+    (verdict, _, u1, u2, u3, x, y, heading, speed, angle), (w1, w2, w3) = best, car[-3:].tolist()
     potentials = Potentials(w1 * u1 + w2 * u2 + w3 * u3, u1, u2, u3)
     state = VehicleState(Pose(x, y, heading), speed, angle, (speed - snapshot.ego.speed) / bounds.period)
     return Command(acceleration, rate), verdict, potentials, state

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -171,39 +172,69 @@ def valley_of_command(
     return mapped_valley(x, y, heading, v, angle, turn, limits, period, bitmaps, x0, y0, cell), 0.0
 
 
+MIDDLE = 2
+"""Place of the command that a finer lattice lies around, of five along one axis."""
+
+WHOLE = 3
+"""What a command has grown to of which nothing is due."""
+
+
+class Chosen(NamedTuple):
+    """A chosen command: ADMISSIBLE, EMERGENCY or NO_COMMAND, the `cost` that it was chosen by, U₁, U₂, U₃, and x, y,
+    heading, speed, steering angle where it leads."""
+
+    verdict: int
+    cost: float
+    valley: float
+    shadow: float
+    velocity: float
+    x: float
+    y: float
+    heading: float
+    speed: float
+    angle: float
+
+
+@kernel
+def nothing_known() -> Chosen:
+    """Return what is known of a command of which nothing is."""
+    return Chosen(NO_COMMAND, np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 @kernel
 def best_of(
-    car: Floats, accelerations: Floats, rates: Floats, fine: bool, turn: float, period: float, room: float, wanted: float,
-    lowest: float, cx: Floats, cy: Floats, ch: Floats, step: float, s: float, sides: Floats,
+    known: Chosen, car: Floats, accelerations: Floats, rates: Floats, fine: bool, turn: float, period: float, room: float,
+    wanted: float, lowest: float, cx: Floats, cy: Floats, ch: Floats, step: float, s: float, sides: Floats,
     bitmaps: Floats, x0: float, y0: float, cell: float, boxes: Floats, corners: Floats, shadows: Floats, driver: Floats,
-) -> tuple[int, int, float, float, float, float, float, float, float, float]:  # fmt: skip
-    """Return (index, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃) of the chosen command, and x, y, heading, speed,
-    steering angle where it leads.
+) -> tuple[int, Chosen]:  # fmt: skip
+    """Return the chosen command with its place in the lattice: that with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that
+    break no kinematic limit, leave a way to stop and touch no predicted footprint.
 
-    The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ among those that break no kinematic limit, leave a way to stop and
-    touch no predicted footprint. One that brakes below `lowest` m/s is an emergency: the least U decides among them when no
-    other is left. When there is none at all, it is the hardest brake with the least U₁, the wheels held if none of these
-    keeps the limits. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8) are
-    tested for contact and, on bitmaps, cast U₂; else `shadows` (n, 3) do. `sides` (4): see `valley_of_command`.
+    One that brakes below `lowest` m/s is an emergency: the least U decides among them when no other is left. When there is
+    none at all, it is the hardest brake with the least U₁, the wheels held if none of these keeps the limits. `car` (17)
+    holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8) are tested for contact and, on
+    bitmaps, cast U₂; else `shadows` (n, 3) do. `sides` (4): see `valley_of_command`.
 
     No term is negative, so U₁ and U₂ are due only for what would win without them: of each command U grows term by term
-    until the least one is whole.
+    until the least one is whole. That of the command in the MIDDLE is `known` already, unless it is NO_COMMAND.
     """
     state, limits, weights = car[:5], car[5:14], car[14:]
     n = len(accelerations) * len(rates)
     ahead = np.empty((n, 4))
     expand(state, accelerations, rates, limits, period, room, ahead)
-    terms, poses, leads = np.zeros((n, 3)), np.empty((n, 3)), np.empty(n)
-    total, of_speed, grown = np.full(n, np.inf), np.zeros(n), np.zeros(n, dtype=np.int64)
+    terms, places = np.zeros((n, 4)), np.empty((n, 4))
+    total, grown = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
     for k in range(n):
         v, _, allowed, stops = ahead[k]
         if allowed == 0.0:
             continue
         terms[k, 2] = velocity_potential(v, wanted)
         harsh = max(0.0, wanted - v - HARSH_FROM) if fine else 0.0
-        of_speed[k] = weights[2] * (terms[k, 2] + HARSHNESS * harsh)
+        terms[k, 3] = weights[2] * (terms[k, 2] + HARSHNESS * harsh)
         if stops > 0.0:
-            total[k] = of_speed[k] + (_HARDER if v < lowest - 1e-6 else 0.0)
+            total[k] = terms[k, 3] + (_HARDER if v < lowest - 1e-6 else 0.0)
+    if known.verdict != NO_COMMAND:
+        total[MIDDLE], grown[MIDDLE] = known.cost, WHOLE
     is_mapped = len(bitmaps) > 0
     casts = weights[1] > 0.0 and (len(boxes) if is_mapped else len(shadows)) > 0
     while True:
@@ -211,14 +242,16 @@ def best_of(
         if total[best] == np.inf:
             break
         v, angle = ahead[best, 0], ahead[best, 1]
-        x, y, h = poses[best, 0], poses[best, 1], poses[best, 2]
+        x, y, h, leads = places[best, 0], places[best, 1], places[best, 2], places[best, 3]
+        if grown[best] == WHOLE:
+            return best, known
         if grown[best] == 0:
             x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
-            poses[best, 0], poses[best, 1], poses[best, 2] = x, y, h
-            terms[best, 0], leads[best] = valley_of_command(
+            terms[best, 0], leads = valley_of_command(
                 state, (x, y, h), v, angle, turn, limits, period, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, driver
             )
-            total[best] = weights[0] * terms[best, 0] + of_speed[best] + (_HARDER if v < lowest - 1e-6 else 0.0)
+            places[best, 0], places[best, 1], places[best, 2], places[best, 3] = x, y, h, leads
+            total[best] = weights[0] * terms[best, 0] + terms[best, 3] + (_HARDER if v < lowest - 1e-6 else 0.0)
             grown[best] = 1
         elif grown[best] == 1 and casts:
             terms[best, 1] = (
@@ -226,7 +259,7 @@ def best_of(
                     x, y, h, v, limits[1], limits[2] - limits[1], limits[3], boxes, corners, driver[K0], SHADOW_HORIZON_M
                 )
                 if is_mapped
-                else foreseen_potential(shadows, leads[best], sides, driver[CLEARANCE])
+                else foreseen_potential(shadows, leads, sides, driver[CLEARANCE])
             )
             total[best] += weights[1] * terms[best, 1]
             grown[best] = 2
@@ -237,7 +270,7 @@ def best_of(
             total[best] = np.inf
         else:
             verdict = EMERGENCY if v < lowest - 1e-6 else ADMISSIBLE
-            return best, verdict, terms[best, 0], terms[best, 1], terms[best, 2], x, y, h, v, angle
+            return best, Chosen(verdict, total[best], terms[best, 0], terms[best, 1], terms[best, 2], x, y, h, v, angle)
     hardest = int(np.argmin(accelerations))
     fallback, least = -1, np.inf
     for k in range(hardest * len(rates), (hardest + 1) * len(rates)):
@@ -255,7 +288,8 @@ def best_of(
         terms[fallback, 0] = 0.0
     v, angle = ahead[fallback, 0], ahead[fallback, 1]
     x, y, h = advance_pose(state[0], state[1], state[2], v, angle, limits[0], period)
-    return fallback, NO_COMMAND, terms[fallback, 0], terms[fallback, 1], terms[fallback, 2], x, y, h, v, angle
+    u1, u2, u3 = terms[fallback, 0], terms[fallback, 1], terms[fallback, 2]
+    return fallback, Chosen(NO_COMMAND, np.inf, u1, u2, u3, x, y, h, v, angle)
 
 
 @kernel
@@ -284,15 +318,16 @@ def potentials_over(
     is not admissible. The arguments are those of `choose_command`; `bitmaps`: none."""
     sides, shadows = room_and_shadows(car, cx, cy, ch, step, s, static, boxes, left, right, driver)
     corners, fine = np.empty((0, 6, 2)), len(bitmaps) > 0  # never: but a literal False would compile another `best_of`
+    known = nothing_known()
     potentials = np.full((len(accelerations), len(rates)), np.inf)
     for i in range(len(accelerations)):
         for j in range(len(rates)):
-            _, verdict, u1, u2, u3, _, _, _, _, _ = best_of(
-                car, accelerations[i : i + 1], rates[j : j + 1], fine, rates[j] * period, period, room, wanted, lowest,
-                cx, cy, ch, step, s, sides, bitmaps, 0.0, 0.0, 1.0, boxes, corners, shadows, driver,
+            _, one = best_of(
+                known, car, accelerations[i : i + 1], rates[j : j + 1], fine, rates[j] * period, period, room, wanted,
+                lowest, cx, cy, ch, step, s, sides, bitmaps, 0.0, 0.0, 1.0, boxes, corners, shadows, driver,
             )  # fmt: skip
-            if verdict != NO_COMMAND:
-                potentials[i, j] = car[14] * u1 + car[15] * u2 + car[16] * u3
+            if one.verdict != NO_COMMAND:
+                potentials[i, j] = car[14] * one.valley + car[15] * one.shadow + car[16] * one.velocity
     return potentials
 
 
@@ -302,9 +337,8 @@ def choose_command(
     cx: Floats, cy: Floats, ch: Floats, step: float, s: float, static: Floats,
     bitmaps: Floats, x0: float, y0: float, cell: float, boxes: Floats, left: float, right: float,
     driver: Floats,
-) -> tuple[float, float, int, float, float, float, float, float, float, float, float]:  # fmt: skip
-    """Return acceleration, steering rate, ADMISSIBLE, EMERGENCY or NO_COMMAND, U₁, U₂, U₃ of the chosen command, and x, y,
-    heading, speed, steering angle where it leads.
+) -> tuple[float, float, Chosen]:  # fmt: skip
+    """Return acceleration, steering rate and the rest of the chosen command.
 
     The command with the least U = w₁U₁ + w₂U₂ + w₃U₃ of the lattice `accelerations` × `rates`, then of ever finer lattices
     around it, `rounds` times. `car` (17) holds the state (5), the limits (9), see `expand`, and w₁, w₂, w₃; `boxes` (n, 8)
@@ -315,28 +349,27 @@ def choose_command(
         corners, sides, shadows = corners_of(boxes), np.array((left, right, np.inf, np.inf)), np.empty((0, 3))
     else:
         sides, shadows = room_and_shadows(car, cx, cy, ch, step, s, static, boxes, left, right, driver)
-    index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
-        car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides,
-        bitmaps, x0, y0, cell, boxes, corners, shadows, driver,
+    index, best = best_of(
+        nothing_known(), car, accelerations, rates, rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s,
+        sides, bitmaps, x0, y0, cell, boxes, corners, shadows, driver,
     )  # fmt: skip
     i, j = index // len(rates), index % len(rates)
     for half in range(2 * rounds):
         if half % 2 == 0:
-            rates, j = around(rates, j), 2
+            rates, j = around(rates, j), MIDDLE
         else:
-            accelerations, i = around(accelerations, i), 2
+            accelerations, i = around(accelerations, i), MIDDLE
         steers = half % 2 == 0
-        index, verdict, u1, u2, u3, x, y, h, v, angle = best_of(
-            car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1], rounds > 0,
-            turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, boxes, corners, shadows,
-            driver,
+        index, best = best_of(
+            best, car, accelerations[i : i + 1] if steers else accelerations, rates if steers else rates[j : j + 1],
+            rounds > 0, turn, period, room, wanted, lowest, cx, cy, ch, step, s, sides, bitmaps, x0, y0, cell, boxes,
+            corners, shadows, driver,
         )  # fmt: skip
         if steers:
             j = index
         else:
             i = index
-    acceleration, rate = accelerations[i], rates[j]
-    return acceleration, rate, verdict, u1, u2, u3, x, y, h, v, angle
+    return accelerations[i], rates[j], best
 
 
 @kernel

@@ -55,9 +55,10 @@ def commanded(
         acceleration, manner.jerk * period, manner.planned, manner.emergency, manner.most, top
     )
     lowest = min(wanted, speed - manner.planned * period)
-    gain, rate, verdict, u1, u2, u3, x, y, heading, faster, turned = choose_command(
+    gain, rate, best = choose_command(
         full, accelerations, rates, ROUNDS, period, room, wanted, lowest, cx, cy, ch, step, s, static,
         np.empty((0, 1, 1)), 0.0, 0.0, 1.0, boxes, left, right, driver,
     )  # fmt: skip
+    verdict, _, u1, u2, u3, x, y, heading, faster, turned = best
     total = full[14] * u1 + full[15] * u2 + full[16] * u3
     return verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned
