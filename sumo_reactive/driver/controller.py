@@ -152,7 +152,7 @@ class Controller:
 
     def _limited(self, snapshot: Snapshot, completed: CompletedPlan) -> CompletedPlan:
         """Return P⁺ with what the rules beside the pilot's ask for in this step."""
-        found = tuple(one for rule in self.parts.rules for one in rule(snapshot, self.limits))
+        found = [one for rule in self.parts.rules for one in rule(snapshot, self.limits)]
         return replace(completed, constraints=(*completed.constraints, *found)) if found else completed
 
     def _with_foes(self, snapshot: Snapshot, traffic: Traffic, plan: NominalPlan) -> Snapshot:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -235,9 +236,13 @@ class NominalPlan:
     def merging(self, front: float) -> ParallelLane | None:
         """Return the lane that the one at arc length `front` (m) has to yield to in the merge that it ends in; None: it ends
         in none, or C leaves it on this road."""
-        here = next((segment for segment in self.segments if front < segment.end), None)
+        here = next((segment for segment in self.segments if front < segment.end), None) if self._has_merges else None
         ways = () if here is None else self.parallel_lanes.get(here.route_index, ())
         return next((way for way in ways if here is not None and way.merges and way.from_lane == here.lane_id), None)
+
+    @cached_property
+    def _has_merges(self) -> bool:
+        return any(way.merges for ways in self.parallel_lanes.values() for way in ways)
 
     def delay(self, s: float, time: float) -> float:
         """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""

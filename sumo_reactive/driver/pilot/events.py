@@ -120,8 +120,7 @@ def _asker(snapshot: Snapshot) -> str:
 
 def _is_gone(stop: TimeConstraint, speeds: Mapping[str, float], premises: Premises) -> bool:
     """Whether the road user in the corridor that the ego stops for is out of it."""
-    was_there = any(obstacle.user.id == stop.cause for obstacle in premises.view.snapshot.on_path)
-    return was_there and stop.cause not in speeds
+    return stop.cause not in speeds and any(one.user.id == stop.cause for one in premises.view.snapshot.on_path)
 
 
 def _own(
@@ -151,9 +150,8 @@ def _halts(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMem
 
 def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:
     """Return what is due: times that the plan or an instruction named, delays, want of progress."""
-    found: list[Event] = []
     now = snapshot.time
-    found += (Event(kind) for kind, due in premises.due.items() if now >= due - 1e-6)
+    found = [Event(kind) for kind, due in premises.due.items() if now >= due - 1e-6]
     if memory.serving_until is not None and now >= memory.serving_until:
         found.append(Event(EventKind.TIME_REACHED))
     if not premises.is_settled:

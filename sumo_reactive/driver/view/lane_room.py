@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
@@ -18,16 +17,9 @@ GROWTH = 0.02
 """The room grows by no more than this a metre along C: a lean begins and ends smoothly."""
 
 
-def lane_room(graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, s: float) -> tuple[float, float]:
-    """Return how far (m) the ego with its front axle at `s` of C may be to the left and right of it."""
-    left, right = _rooms(plan, graph, limits)
-    i = min(max(int(s / plan.curve.step), 0), len(left) - 1)
-    return left.item(i), right.item(i)
-
-
-@kept(PLANS_KEPT)
-def _rooms(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Floats, Floats]:
-    """Return the room (n,) to the left and right of each sample of C, m; none in junctions.
+def lane_room(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Floats, Floats]:
+    """Return the room (n,) to the left and right of each sample of C, m, in which the ego's front axle may be; none in
+    junctions.
 
     It is what the corridor, with its margin, leaves of the lane.
     """

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.snapshot import PathObstacle
@@ -49,7 +48,7 @@ FASTER = 2.0
 
 def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> list[TimeConstraint]:
     """Return a leader for each body in the corridor that will not be gone; ego's bumper at `front` m of C, `speed` m/s."""
-    found = (_leader(obstacle, front, speed, limits) for obstacle in on_path)
+    found = [_leader(obstacle, front, speed, limits) for obstacle in on_path]
     return [leader for leader in found if leader is not None]
 
 
@@ -62,9 +61,13 @@ def time_to_meet(obstacle: PathObstacle, front: float, speed: float) -> float:
     gap = max(obstacle.start - front, 0.0)
     if comes_towards(obstacle):
         return gap / (speed + FASTER + obstacle.user.speed)
-    if _crosses(obstacle):
-        return max(gap / max(speed, 0.1) - CROSSER_MARGIN_S, 0.0)
-    return math.inf
+    return math.inf if drives_along(obstacle) else max(gap / max(speed, 0.1) - CROSSER_MARGIN_S, 0.0)
+
+
+def drives_along(obstacle: PathObstacle) -> bool:
+    """Whether somebody in the corridor drives along C more than across it, or stands: he neither comes towards the ego nor
+    crosses."""
+    return obstacle.along >= -STANDING_SPEED and abs(obstacle.across) <= max(obstacle.along, STANDING_SPEED)
 
 
 def comes_towards(obstacle: PathObstacle) -> bool:
@@ -72,17 +75,13 @@ def comes_towards(obstacle: PathObstacle) -> bool:
     return obstacle.along < -STANDING_SPEED and abs(obstacle.across) < -obstacle.along
 
 
-def _crosses(obstacle: PathObstacle) -> bool:
-    return abs(obstacle.across) > max(obstacle.along, STANDING_SPEED)
-
-
 def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleLimits) -> TimeConstraint | None:
     user, start, along = obstacle.user, obstacle.start, obstacle.along
     brakes, gap = user.body.emergency_deceleration, start - front
+    if drives_along(obstacle):
+        return stay_behind(user.id, start, max(along, 0.0), brakes)
     if comes_towards(obstacle):
         return stay_behind(user.id, front + gap * speed / (speed - along), 0.0, brakes)
-    if not _crosses(obstacle):
-        return stay_behind(user.id, start, max(along, 0.0), brakes)
     leaves = (user.body.length + limits.width) / abs(obstacle.across)
     if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
         return None
@@ -107,7 +106,6 @@ class Narrow(NamedTuple):
     pace: float
 
 
-@kept(PLANS_KEPT)
 def narrows_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> tuple[Narrow, ...]:
     """Return the narrow places along C."""
     curve, found = plan.curve, []

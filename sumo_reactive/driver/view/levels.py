@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import shapely
 
-from sumo_reactive.driver.caching import PLANS_KEPT, kept
+from sumo_reactive.driver.caching import kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import NominalPlan
 from sumo_reactive.driver.nouns.traffic import RoadUser, Traffic
@@ -19,15 +19,16 @@ COMING_M, GONE_M = 60.0, 10.0
 """Who is this near before the crossing, or with his rear this near behind it, might be taken for one who meets the ego."""
 
 
-def on_its_level(traffic: Traffic, plan: NominalPlan, graph: RoadGraph) -> tuple[Sequence[RoadUser], Floats]:
+def on_its_level(traffic: Traffic, crossed: Mapping[str, tuple[float, ...]]) -> tuple[Sequence[RoadUser], Floats]:
     """Return the users of `traffic` whom the ego may meet, with their boxes (n, 6): all but those who pass it on a bridge or
-    below one, wholly on their lane."""
+    below one, wholly on their lane, one of those `crossed`."""
     users, boxes = traffic.users, traffic.boxes
-    crossed = _crossed(plan, graph) if users else {}
     if not crossed:
         return users, boxes
-    met = [k for k, user in enumerate(users) if not _passes_on_another(user, crossed.get(user.lane_id, ()))]
-    return (users, boxes) if len(met) == len(users) else ([users[k] for k in met], boxes[met])
+    near = ((k, user, crossed[user.lane_id]) for k, user in enumerate(users) if user.lane_id in crossed)
+    others = {k for k, user, places in near if _passes_on_another(user, places)}
+    met = [k for k in range(len(users)) if k not in others] if others else []
+    return ([users[k] for k in met], boxes[met]) if others else (users, boxes)
 
 
 def _passes_on_another(user: RoadUser, places: Sequence[float]) -> bool:
@@ -35,8 +36,7 @@ def _passes_on_another(user: RoadUser, places: Sequence[float]) -> bool:
     return rear >= 0.0 and any(front > at - COMING_M and rear < at + GONE_M for at in places)
 
 
-@kept(PLANS_KEPT)
-def _crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, ...]]:
+def lanes_crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, ...]]:
     """Return where lanes cross C on another level, by lane id, m of their spines."""
     curve, found = plan.curve, dict[str, tuple[float, ...]]()
     points, last = np.column_stack((curve.x, curve.y)), len(curve.x) - 1

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
-from sumo_reactive.driver.geometry.curve import project_on_curve
+from sumo_reactive.driver.geometry.curve import Curve, project_on_curve
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
@@ -26,12 +27,28 @@ from sumo_reactive.driver.view.attention import (
     lane_sought,
     place_beside,
 )
-from sumo_reactive.driver.view.corridor import TURN_FORESEEN_S, band_of, blocking_ones, next_off_tracking, related
+from sumo_reactive.driver.view.corridor import (
+    TURN_FORESEEN_S,
+    CorridorSides,
+    band_of,
+    blocking_ones,
+    next_off_tracking,
+    related,
+)
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
 from sumo_reactive.driver.view.lane_room import lane_room
-from sumo_reactive.driver.view.leaders import FASTER, ahead_at_narrows, comes_towards, leaders, narrows_of, time_to_meet
-from sumo_reactive.driver.view.levels import on_its_level
-from sumo_reactive.driver.view.static import static_near
+from sumo_reactive.driver.view.leaders import (
+    FASTER,
+    Narrow,
+    ahead_at_narrows,
+    comes_towards,
+    drives_along,
+    leaders,
+    narrows_of,
+    time_to_meet,
+)
+from sumo_reactive.driver.view.levels import lanes_crossed, on_its_level
+from sumo_reactive.driver.view.static import borders_along, static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
 PROJECTION_WINDOW_M = 8.0
@@ -50,6 +67,27 @@ SWUNG_STEP_M = 1.0
 _NO_ONE_NEAR: Floats = np.empty((0, 8))
 
 
+class _Course(NamedTuple):
+    """C, and what the map says along it to a car: the corridor that it sweeps, where lanes are `crossed` on another level,
+    the narrow places, the room to lean (n,) to the left and right (m), the borders, and the ways `inside` junctions."""
+
+    curve: Curve
+    band: CorridorSides
+    crossed: Mapping[str, tuple[float, ...]]
+    narrows: tuple[Narrow, ...]
+    room: tuple[Floats, Floats]
+    borders: tuple[Sequence[float], Floats]
+    inside: Mapping[str, tuple[tuple[Passage, float, float, float], ...]]
+
+
+@kept(PLANS_KEPT)
+def _course_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> _Course:
+    return _Course(
+        plan.curve, band_of(plan.curve, limits), lanes_crossed(plan, graph), narrows_of(plan, graph, limits),
+        lane_room(plan, graph, limits), borders_along(plan, graph, limits.vehicle_class), _ways_inside(plan, graph),
+    )  # fmt: skip
+
+
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
     """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
     curve, (x, y) = plan.curve, ego.pose.ahead(limits.wheelbase)
@@ -64,9 +102,9 @@ def perceive(
 
     `place` is (s, d) of the front axle on C (m, left positive), as `locate` finds it.
     """
-    s, d = place
+    (s, d), course, step = place, _course_of(plan, graph, limits), plan.curve.step
     front = s + limits.front_overhang
-    near, on_path = _related(traffic, plan, graph, ego, limits, front)
+    near, on_path = _related(traffic, course, graph, ego, limits, front)
     sight = in_sight(plan, front, ego.speed)
     sought = lane_sought(graph, plan, front)
     off_tracking = next_off_tracking(plan, graph, limits, s, front)
@@ -75,23 +113,25 @@ def perceive(
     beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, graph, beside, own)) if beside else ()
-    static = static_near(graph, plan, limits.vehicle_class, s, ego.pose.ahead(limits.wheelbase), traffic.static)
-    narrows = narrows_of(plan, graph, limits)
+    static = static_near(course.borders, s, ego.pose.ahead(limits.wheelbase), traffic.static)
     met = [
         obstacle for obstacle in on_path
-        if not _stands_beside(obstacle, ego, front, plan.curve.step, limits)
-        and not _passes_by(obstacle, plan, graph, limits, front, ego.speed)
+        if not _stands_beside(obstacle, ego, front, step, limits)
+        and (drives_along(obstacle) or not _passes_by(obstacle, course, graph, limits, front, ego.speed))
     ]  # fmt: skip
     behind = tuple(leaders(met, front, ego.speed, limits)) if met else ()
-    behind += tuple(_swings_back(traffic.users, on_path, plan, graph, limits, front))
-    if narrows:
-        near_ones = tuple(narrow for narrow in narrows if narrow.passage in sight)
+    if any(plan.passages[i].start - ATTENTION_MIN_AHEAD_M < front < plan.passages[i].end for i in sight):
+        inside = [user for user in traffic.users if user.lane_id in course.inside]
+        behind += tuple(_swings_back(inside, on_path, course, graph, front)) if inside else ()
+    if course.narrows:
+        near_ones = tuple(narrow for narrow in course.narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
     lights, asker = traffic.lights, _asker(traffic, plan, graph, front) if traffic.asker else None
-    room = lane_room(graph, plan, limits, s) if len(near) else (0.0, 0.0)
+    sample = min(max(int(s / step), 0), len(plan.curve.x) - 1)
+    left, right = (side.item(sample) for side in course.room) if len(near) else (0.0, 0.0)
     return Snapshot(
-        traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking, room,
-        limits.parameters, traffic.switches, asker, traffic.yellow_until,
+        traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking,
+        (left, right), limits.parameters, traffic.switches, asker, traffic.yellow_until,
     )  # fmt: skip
 
 
@@ -102,20 +142,20 @@ def _comes_first(off_tracking: OffTracking, plan: NominalPlan, front: float) -> 
 
 
 def _related(
-    traffic: Traffic, plan: NominalPlan, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
+    traffic: Traffic, course: _Course, graph: RoadGraph, ego: VehicleState, limits: VehicleLimits, front: float
 ) -> tuple[Floats, tuple[PathObstacle, ...]]:
     """Return the boxes (m, 8) of those users who are near, and who blocks the corridor.
 
     Who cannot be touched within the foreseen time has no turn rate, and no end of his way.
     """
-    users, boxes = on_its_level(traffic, plan, graph)
+    users, boxes = on_its_level(traffic, course.crossed)
     if not users:
         return _NO_ONE_NEAR, ()
-    curve, (x, y, heading), speed = plan.curve, ego.pose, ego.speed
+    curve, (x, y, heading), speed = course.curve, ego.pose, ego.speed
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     near, touchable, blocking, stretches = related(
         boxes, x, y, heading, speed, limits.length,
-        curve.x, curve.y, curve.heading, curve.step, front, reach, *band_of(curve, limits),
+        curve.x, curve.y, curve.heading, curve.step, front, reach, *course.band,
     )  # fmt: skip
     for row, k in touchable.tolist() if len(touchable) else ():
         user = users[k]
@@ -128,7 +168,7 @@ def _related(
 
 
 def _passes_by(
-    obstacle: PathObstacle, plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, front: float, speed: float
+    obstacle: PathObstacle, course: _Course, graph: RoadGraph, limits: VehicleLimits, front: float, speed: float
 ) -> bool:
     """Whether somebody who comes towards the ego or crosses will soon have left its corridor: before they meet there, and
     whether he goes on along his lane, wherever it leads, or straight on.
@@ -138,8 +178,7 @@ def _passes_by(
     user, time = obstacle.user, time_to_meet(obstacle, front, speed)
     if time > MEETING_FORESEEN_S or user.body.is_person:
         return False
-    curve, behind = plan.curve, max(front - limits.length, 0.0)
-    band, own = band_of(curve, limits), speed + FASTER
+    curve, band, own, behind = course.curve, course.band, speed + FASTER, max(front - limits.length, 0.0)
     while time <= MEETING_FORESEEN_S:
         boxes = np.array(places_after(graph, user, time))
         _, stretches = blocking_ones(boxes, curve.x, curve.y, curve.heading, curve.step, behind, obstacle.end, *band)
@@ -164,16 +203,13 @@ def _stands_beside(obstacle: PathObstacle, ego: VehicleState, front: float, step
 
 
 def _swings_back(
-    users: tuple[RoadUser, ...], on_path: tuple[PathObstacle, ...], plan: NominalPlan, graph: RoadGraph,
-    limits: VehicleLimits, front: float,
-) -> Iterator[TimeConstraint]:  # fmt: skip
-    """Yield a leader for everybody who is before the ego on its own way through a junction, beside C now, and will come over
-    it: in a turn that the map draws too tight for the ego, C keeps off that way until its end."""
-    if not any(passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end for passage in plan.passages):
-        return
-    curve, inside, known = plan.curve, _ways_inside(plan, graph), {obstacle.user.id for obstacle in on_path}
+    users: Iterable[RoadUser], on_path: tuple[PathObstacle, ...], course: _Course, graph: RoadGraph, front: float
+) -> Iterator[TimeConstraint]:
+    """Yield a leader for each of `users` who is before the ego on its own way through a junction, beside C now, and will
+    come over it: in a turn that the map draws too tight for the ego, C keeps off that way until its end."""
+    curve, known = course.curve, {obstacle.user.id for obstacle in on_path}
     for user in users:
-        for passage, at, scale, left in inside.get(user.lane_id, ()) if user.id not in known else ():
+        for passage, at, scale, left in course.inside[user.lane_id] if user.id not in known else ():
             is_near = passage.start - ATTENTION_MIN_AHEAD_M < front < passage.end
             if not is_near or passage.start + (at + user.lane_position) * scale <= front:
                 continue
@@ -181,14 +217,13 @@ def _swings_back(
             boxes = np.array([place for way in ways for place in places_after(graph, user._replace(speed=1.0), way)[1:]])
             _, stretches = blocking_ones(
                 boxes.reshape(-1, 6), curve.x, curve.y, curve.heading, curve.step, front, passage.end + user.body.length,
-                *band_of(curve, limits),
+                *course.band,
             )
             if len(stretches):
                 first = float(stretches[:, 0].min())
                 yield stay_behind(user.id, first, 0.0, user.body.emergency_deceleration)
 
 
-@kept(PLANS_KEPT)
 def _ways_inside(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[tuple[Passage, float, float, float], ...]]:
     """Return, by lane inside a junction that the plan passes: the passage, where the lane starts behind the stop line (m),
     metres of C to one of the map's way, and that way's length from the start of the lane on (m)."""

@@ -20,14 +20,14 @@ STATIC_REACH_M = 12.0
 
 
 def static_near(
-    graph: RoadGraph, plan: NominalPlan, vehicle_class: str, s: float, place: tuple[float, float], extra: Floats = NO_POINTS
+    borders: tuple[Sequence[float], Floats], s: float, place: tuple[float, float], extra: Floats = NO_POINTS
 ) -> Floats:
     """Return the points of O_S (k, 2), m, near the front axle at `place`, `s` of C.
 
-    Of the borders these are those beside it and up to STATIC_REACH_M ahead along C, of the `extra` points (m) those within
+    Of the `borders` along C these are those beside it and up to STATIC_REACH_M ahead, of the `extra` points (m) those within
     that taxicab distance.
     """
-    arcs, points = _beside(plan, graph, vehicle_class)
+    arcs, points = borders
     near = points[bisect_left(arcs, s - BORDER_STEP_M) : bisect_left(arcs, s + STATIC_REACH_M)]
     if not len(extra):
         return near
@@ -39,13 +39,13 @@ def static_within(
     graph: RoadGraph, plan: NominalPlan, vehicle_class: str, at: tuple[float, float], side: float, extra: Floats = NO_POINTS
 ) -> Floats:
     """Return the points of O_S (k, 2), m, in the square window of `side` m around a place."""
-    points = np.concatenate((_beside(plan, graph, vehicle_class)[1], extra))
+    points = np.concatenate((borders_along(plan, graph, vehicle_class)[1], extra))
     inside = np.abs(points - at).max(axis=1, initial=0.0) <= 0.5 * side
     return np.asarray(points[inside])
 
 
 @kept(PLANS_KEPT)
-def _beside(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Sequence[float], Floats]:
+def borders_along(plan: NominalPlan, graph: RoadGraph, vehicle_class: str) -> tuple[Sequence[float], Floats]:
     """Return the border points along C: arc lengths (n), ascending, and place (n, 2), m. Junctions have none."""
     parts = [_of_segment(graph, g, vehicle_class) for g in plan.segments if not graph.lanes[g.lane_id].is_internal]
     if not parts:

@@ -7,7 +7,7 @@ from helpers.situations import before
 
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Traffic
 from sumo_reactive.driver.view.perceive import locate, perceive
-from sumo_reactive.driver.view.static import STATIC_REACH_M, static_near, static_within
+from sumo_reactive.driver.view.static import STATIC_REACH_M, borders_along, static_near, static_within
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def ego():
 def near(ego, s: float, extra=NO_POINTS):
     """The points of O_S with the front axle on C at `s`."""
     x, y, _ = ego.plan.curve.at(s)
-    return static_near(ego.graph, ego.plan, "passenger", s, (x, y), extra)
+    return static_near(borders_along(ego.plan, ego.graph, "passenger"), s, (x, y), extra)
 
 
 def test_the_own_side_of_the_road_ends_half_a_lane_and_the_other_one_and_a_half_lanes_away(ego):

@@ -38,10 +38,10 @@ def pending_change(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     """Return the next lane change if it is time to seek a gap for it."""
     if not plan.lane_changes:
         return None
-    change = plan.next_change(snapshot.front)
-    if change is None or change.start <= snapshot.s or _is_made(change, plan) or not plan.may_begin(change, snapshot.front):
+    change, front = plan.next_change(snapshot.front), snapshot.front
+    if change is None or change.start <= snapshot.s or change.start - front > _horizon(snapshot) or _is_made(change, plan):
         return None
-    return change if change.start - snapshot.front <= _horizon(snapshot) else None
+    return change if plan.may_begin(change, front) else None
 
 
 def just_begun(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
