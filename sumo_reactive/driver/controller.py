@@ -138,14 +138,14 @@ class Controller:
             s, d = self._place(ego, drive.plan, snapshot.s, completed)
             after = drive._replace(ego=ego, s=s, memory=memory, completed=held_plan, d=d)
             return Step(snapshot, completed, execution, after, runs)
-        valley = self._valley(drive, snapshot, traffic)
         nine = self.profile is Profile.PAPER
+        valley = self._valley(drive, snapshot, traffic) if nine else NO_MAP
         held = max(period, self.limits.parameters.paper_control_period_s) if nine else period
-        limited = self._limited(snapshot, completed)
+        limited = self._limited(snapshot, completed) if self.parts.rules else completed
         execution = self.parts.executor(snapshot, limited, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
-        s, d = self._place(execution.state, drive.plan, snapshot.s, completed)
+        s, d = execution.place or self._place(execution.state, drive.plan, snapshot.s, completed)
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after, runs)
@@ -153,7 +153,7 @@ class Controller:
     def _limited(self, snapshot: Snapshot, completed: CompletedPlan) -> CompletedPlan:
         """Return P⁺ with what the rules beside the pilot's ask for in this step."""
         found = [one for rule in self.parts.rules for one in rule(snapshot, self.limits)]
-        return replace(completed, constraints=(*completed.constraints, *found)) if found else completed
+        return replace(completed, constraints=(*completed.constraints, *found))
 
     def _with_foes(self, snapshot: Snapshot, traffic: Traffic, plan: NominalPlan) -> Snapshot:
         """Return a snapshot that knows who can reach which region; a pilot whose decision rests on none does not ask."""
@@ -193,8 +193,6 @@ class Controller:
 
     def _valley(self, drive: Drive, snapshot: Snapshot, traffic: Traffic) -> ValleyMap:
         """The bitmaps that hold the ego, drawn anew when it leaves them or C changes."""
-        if self.profile is Profile.DEFAULT:
-            return NO_MAP
         pose = snapshot.ego.pose
         if len(drive.valley.bitmaps) and drive.valley.holds(pose.x, pose.y, MAP_MARGIN_M):
             return drive.valley
@@ -222,5 +220,5 @@ def _moved(user: RoadUser, duration: float) -> RoadUser:
 
 def replanned(drive: Drive, plan: NominalPlan, time: float) -> Drive:
     """Return the drive on a new plan, which begins at the ego's front axle, inherits the delay and has no move under way."""
-    late, memory = drive.plan.delay(drive.s, time), drive.memory._replace(move=None)
+    late, memory = drive.plan.on_schedule(drive.s, time)[0], drive.memory._replace(move=None)
     return drive._replace(plan=replace(plan, times=plan.times - late), s=0.0, memory=memory, valley=NO_MAP, d=None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sumo_reactive.driver.field.velocity import carried_out
+from sumo_reactive.driver.geometry.curve import project_on_curve
 from sumo_reactive.driver.geometry.polyline import Polyline
 from sumo_reactive.driver.pilot.assessment import time_of
 from sumo_reactive.driver.vehicle.safe_speed import following_speed, stopping_speed
@@ -20,6 +21,7 @@ def load_kernels() -> None:
     path, boxes = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]), np.zeros((1, 6))
     x, y, _ = (np.ascontiguousarray(column) for column in path.T)
     Polyline(path[:, :2]).sampled(1.0)
+    project_on_curve(0.0, 0.0, x, y, 1.0, 0.0, 1.0)
     turned(path, 0.0, 1.0, 0.0, 1.0)
     point_at(path, 0.0)
     related(boxes, 0.0, 0.0, 0.0, 0.0, 1.0, x, y, y, 1.0, 0.0, 1.0, y, y, 0.0)

@@ -58,7 +58,7 @@ def kernels_of(part: int) -> dict[Any, str]:
         assessment.speeds_ahead: "MNMFFFF", assessment.time_of: "MFF",
         aside._clear_of_body: "VVVMF", polyline._at: "VVVF", polyline._heading_at: "VVVF",
         polyline._sampled: "MVF", polyline._place: "VVVFFF", polyline._places: "VVVMF", polyline.wrapped: "F",
-        curve.project_each: "MVVFVF", curve.project_on_curve: "FFVVFFF",
+        curve.project_each: "MVVFVF", curve.project_on_curve: "FFVVFFF", curve.located: "FFFFVVFF",
         foresee.turned: "MFFFF", foresee.point_at: "MF",
         velocity.carried_out: "VFFFFFFF", safe_speed.stopping_speed: "FFF", safe_speed.following_speed: "FFFF",
         moment.contacts: "VM", moment.nearer: "MFFF",

@@ -139,4 +139,4 @@ def test_a_new_plan_inherits_the_delay_of_the_old_one(ego):
     scheduled = float(np.interp(20.0, ego.plan.curve.step * np.arange(len(ego.plan.times)), ego.plan.times))
     now = scheduled + 7.0
     other = replace(ego.plan, times=ego.plan.times - ego.plan.times[0] + now)
-    assert replanned(drive, other, now).plan.delay(0.0, now) == pytest.approx(7.0)
+    assert replanned(drive, other, now).plan.on_schedule(0.0, now)[0] == pytest.approx(7.0)

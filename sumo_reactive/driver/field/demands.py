@@ -29,7 +29,8 @@ whether its time is known, whether it is of the schedule."""
 
 _ROW = Struct("7d")
 _NO_ROWS: Floats = np.empty((0, 7))
-_NO_SLOTS: Floats = np.empty((0, 2))
+NO_SLOTS: Floats = np.empty((0, 2))
+"""The ego falls in behind nobody."""
 
 
 class Manner(NamedTuple):
@@ -131,21 +132,13 @@ def hard_ones(snapshot: Snapshot, completed: CompletedPlan) -> tuple[TimeConstra
 
 def hard_rows(snapshot: Snapshot, completed: CompletedPlan) -> Floats:
     """Return the rows (n, 7) of the hard constraints."""
-    leaders = _leaders(snapshot, completed)
-    if not leaders:
-        return _hard_rows(completed)
-    return _unpacked(_hard_packed(completed) + b"".join(map(_packed, leaders)))
+    return _unpacked(_hard_packed(completed) + b"".join(map(_packed, _leaders(snapshot, completed))))
 
 
 def _leaders(snapshot: Snapshot, completed: CompletedPlan) -> tuple[TimeConstraint, ...]:
     if completed.instruction is not Instruction.WIDEN:
         return snapshot.leaders
     return tuple(leader for leader in snapshot.leaders if leader.speed > 0.0)
-
-
-@kept(1)
-def _hard_rows(completed: CompletedPlan) -> Floats:
-    return _unpacked(_hard_packed(completed))
 
 
 @kept(1)
@@ -170,8 +163,6 @@ def slot_rows(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLimit
 
     Behind whom it lets in, it falls back to its usual distance: he has to find the gap long enough.
     """
-    if not completed.slots:
-        return _NO_SLOTS
     found, more = [], limits.time_headway - limits.parameters.slot_headway_s
     beside = {neighbour.user.id: neighbour for neighbour in reversed(snapshot.neighbours)}
     for one in completed.slots:

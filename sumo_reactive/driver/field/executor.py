@@ -6,7 +6,7 @@ import math
 from typing import Any, NamedTuple
 
 from sumo_reactive.driver.field.command_grid import CommandGrid, lattice, paper_grid, wide_grid
-from sumo_reactive.driver.field.demands import car_of, hard_rows, held_of, slot_rows
+from sumo_reactive.driver.field.demands import NO_SLOTS, car_of, hard_rows, held_of, slot_rows
 from sumo_reactive.driver.field.desired_speed import (
     HARDER_BY,
     desired_speed,
@@ -60,7 +60,8 @@ class Execution(NamedTuple):
     """The command for the next control period, the state it leads to, and feedback to the pilot.
 
     `emergency`: it brakes harder than planned, because nothing milder stops clear of `hazard` (see `StepRecord`); with none,
-    no command is admissible, and it is the hardest brake along C.
+    no command is admissible, and it is the hardest brake along C. `place`: (s, d) of the front axle on C then (m, left
+    positive; None: to be found).
     """
 
     command: Command
@@ -69,6 +70,7 @@ class Execution(NamedTuple):
     potentials: Potentials
     emergency: bool
     hazard: str = ""
+    place: tuple[float, float] | None = None
 
     def after(self, before: Execution) -> Execution:
         """Return the execution, an emergency if the one `before` it in the same step was."""
@@ -114,16 +116,18 @@ def _of_lattice(snapshot: Snapshot, completed: CompletedPlan, limits: VehicleLim
     pose, speed, angle, acceleration = snapshot.ego
     numbers: tuple[Any, ...] = (
         snapshot.time, snapshot.s, snapshot.d, snapshot.front, *pose, speed, angle, acceleration, period,
-        *held_of(completed, limits), hard_rows(snapshot, completed), slot_rows(snapshot, completed, limits),
+        *held_of(completed, limits), hard_rows(snapshot, completed),
+        slot_rows(snapshot, completed, limits) if completed.slots else NO_SLOTS,
         snapshot.static, snapshot.boxes, *snapshot.room,
     )  # fmt: skip
-    verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned = commanded(*numbers)
+    verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned, s, d = commanded(*numbers)
     if verdict == STANDS:
-        return Execution(Command(0.0, 0.0), snapshot.ego._replace(acceleration=0.0), wanted, NO_POTENTIALS, emergency=False)
+        stays = snapshot.ego._replace(acceleration=0.0)
+        return Execution(Command(0.0, 0.0), stays, wanted, NO_POTENTIALS, emergency=False, place=(s, d))
     state = VehicleState(Pose(x, y, heading), faster, turned, (faster - speed) / period)
     emergency = verdict != ADMISSIBLE or faster < speed - (limits.planned_deceleration + HARDER_BY) * period
     said = _hazard(hazard_named(hazard, snapshot, completed), verdict) if emergency else ""
-    return Execution(Command(gain, rate), state, wanted, Potentials(total, u1, u2, u3), emergency, said)
+    return Execution(Command(gain, rate), state, wanted, Potentials(total, u1, u2, u3), emergency, said, (s, d))
 
 
 def _of_grid(

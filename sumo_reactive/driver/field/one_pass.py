@@ -11,6 +11,7 @@ from sumo_reactive.driver.field.command_grid import ROUNDS, lattice_axes, steeri
 from sumo_reactive.driver.field.demands import manner_in
 from sumo_reactive.driver.field.desired_speed import OnCurve, room_left, wished, without_jerk
 from sumo_reactive.driver.field.field import choose_command
+from sumo_reactive.driver.geometry.curve import located
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 
@@ -34,9 +35,9 @@ def commanded(
     acceleration: float, period: float, manner_row: Floats, car: Floats, driver: Floats, timed: Floats, speeds: Floats,
     cx: Floats, cy: Floats, ch: Floats, curvature: Floats, bends: Floats, limits_along: Floats, times: Floats, step: float,
     hard: Floats, slots: Floats, static: Floats, boxes: Floats, left: float, right: float,
-) -> tuple[int, float, int, float, float, float, float, float, float, float, float, float, float, float]:  # fmt: skip
+) -> tuple[int, float, int, float, float, float, float, float, float, float, float, float, float, float, float, float]:
     """Return the verdict, v_d (m/s), the hazard (see `wished`), acceleration, steering rate, U, U₁, U₂, U₃ of the command
-    from the lattice, and x, y, heading, speed, steering angle where it leads.
+    from the lattice, and x, y, heading, speed, steering angle, s and d (m) where it leads.
 
     The ego's front axle is at `s` of C, `d` m to its left, its front bumper at `front` m, its rear axle at (x, y). The rows
     are those of `demands`, C that of `wished`, the rest what `choose_command` takes.
@@ -47,7 +48,8 @@ def commanded(
     )
     wanted = without_jerk(wish, is_pressing, ego, period, manner.jerk)
     if wanted <= 0.0 and speed == 0.0:
-        return STANDS, wanted, hazard, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, heading, 0.0, angle
+        s, d = located(x, y, heading, car[5], cx, cy, step, s)
+        return STANDS, wanted, hazard, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, x, y, heading, 0.0, angle, s, d
     room = room_left(hard, front, HARD_STOP_MARGIN_M) if manner.has_room > 0.0 else np.inf
     full = car_in(car, x, y, heading, speed, angle)
     top = steering_rate_limit(manner.steering_rate, manner.lateral_jerk, full[5], speed)
@@ -61,4 +63,5 @@ def commanded(
     )  # fmt: skip
     verdict, _, u1, u2, u3, x, y, heading, faster, turned = best
     total = full[14] * u1 + full[15] * u2 + full[16] * u3
-    return verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned
+    s, d = located(x, y, heading, full[5], cx, cy, step, s)
+    return verdict, wanted, hazard, gain, rate, total, u1, u2, u3, x, y, heading, faster, turned, s, d

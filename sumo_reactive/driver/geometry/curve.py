@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,9 @@ from sumo_reactive.driver.geometry.polyline import BEYOND, Floats, foot
 
 CURVE_STEP_M = 0.5
 """Arc length between samples of C."""
+
+PROJECTION_WINDOW_M = 8.0
+"""How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,6 +71,15 @@ def project_on_curve(
         return s_guess, 0.0
     i, share, away = foot(cx, cy, x, y, first, last, BEYOND)
     return (i + share) * step, away
+
+
+@kernel
+def located(
+    x: float, y: float, heading: float, wheelbase: float, cx: Floats, cy: Floats, step: float, s_before: float
+) -> tuple[float, float]:
+    """Return (s, d) of the front axle on C near `s_before` (m, left positive); the rear axle is at (x, y), m."""
+    fx, fy = x + wheelbase * math.cos(heading), y + wheelbase * math.sin(heading)
+    return project_on_curve(fx, fy, cx, cy, step, s_before, PROJECTION_WINDOW_M)
 
 
 @kernel

@@ -124,6 +124,11 @@ class CompletedPlan:
         return tuple(one for one in self.constraints if one.behind)
 
     @cached_property
+    def schedule(self) -> tuple[TimeConstraint, ...]:
+        """The (l, t_l) of P."""
+        return tuple(one for one in self.constraints if one.reason is Reason.ON_SCHEDULE)
+
+    @cached_property
     def stop(self) -> TimeConstraint | None:
         """The nearest place to stop at (None: there is none)."""
         return min(self.hard, key=lambda one: one.s, default=None)

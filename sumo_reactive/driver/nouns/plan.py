@@ -222,10 +222,14 @@ class NominalPlan:
     def next_change(self, front: float) -> LaneChange | None:
         """Return the lane change to seek a gap for with the front bumper at `front` (m of C): the next not ended, or,
         once the front is on its new lane, the one that follows on the same road."""
-        ahead = [change for change in self.lane_changes if change.end > front]
-        if len(ahead) > 1 and ahead[0].middle <= front and ahead[1].from_lane == ahead[0].to_lane:
-            return ahead[1]
-        return ahead[0] if ahead else None
+        begun = None
+        for change in self.lane_changes:
+            if begun is not None:
+                return change if change.from_lane == begun.to_lane else begun
+            if change.middle > front:
+                return change
+            begun = change if change.end > front else None
+        return begun
 
     def may_begin(self, change: LaneChange, front: float) -> bool:
         """Whether a lane change may begin with the front bumper at `front` (m of C): it is open, or its lane is reached."""
@@ -236,24 +240,21 @@ class NominalPlan:
     def merging(self, front: float) -> ParallelLane | None:
         """Return the lane that the one at arc length `front` (m) has to yield to in the merge that it ends in; None: it ends
         in none, or C leaves it on this road."""
-        here = next((segment for segment in self.segments if front < segment.end), None) if self._has_merges else None
+        here = next((segment for segment in self.segments if front < segment.end), None) if self.merges else None
         ways = () if here is None else self.parallel_lanes.get(here.route_index, ())
         return next((way for way in ways if here is not None and way.merges and way.from_lane == here.lane_id), None)
 
     @cached_property
-    def _has_merges(self) -> bool:
+    def merges(self) -> bool:
+        """Whether a lane of C has to yield to another in the merge that it ends in."""
         return any(way.merges for ways in self.parallel_lanes.values() for way in ways)
 
-    def delay(self, s: float, time: float) -> float:
-        """How far behind schedule the front axle is at arc length `s` (m) at `time`, s; negative when early."""
+    def on_schedule(self, s: float, time: float) -> tuple[float, float]:
+        """Return how far behind schedule the front axle is at arc length `s` (m) at `time`, s (negative: early), and its
+        speed there on schedule, m/s."""
         i, f = self.curve.sample_at(s)
         here, ahead = self.times.item(i), self.times.item(i + 1)
-        return time - here - f * (ahead - here)
-
-    def nominal_speed(self, s: float) -> float:
-        """The speed on schedule with the front axle at arc length `s`, m/s."""
-        i = min(max(int(s / self.curve.step), 0), len(self.times) - 2)
-        return self.curve.step / max(self.times.item(i + 1) - self.times.item(i), 1e-3)
+        return time - here - f * (ahead - here), self.curve.step / max(ahead - here, 1e-3)
 
     def road_speed(self, s: float) -> float:
         """The highest speed that road and curve allow with the front axle at arc length `s`, m/s."""

@@ -171,7 +171,7 @@ def assess(
     snapshot, plan, limits = view.snapshot, view.plan, view.limits
     way = way_of(plan) if stop is None else way_of(plan, stop.s)
     trace = simulate(snapshot, way, leader_table(snapshot), limits, snapshot.parameters.assessed_s)
-    late = max(plan.delay(float(trace[-1, 4]), snapshot.time + len(trace) * ASSESSMENT_STEP_S), 0.0)
+    late = max(plan.on_schedule(float(trace[-1, 4]), snapshot.time + len(trace) * ASSESSMENT_STEP_S)[0], 0.0)
     speeds = _speeds(snapshot, forecast, limits, trusted)
     k, n = first_contact(
         trace, limits.length, limits.width, forecast.points, forecast.first, forecast.counts, forecast.bodies, speeds,

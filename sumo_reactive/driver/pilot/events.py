@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from sumo_reactive.driver.nouns.completed_plan import CompletedPlan
-from sumo_reactive.driver.nouns.constraint import TimeConstraint
-from sumo_reactive.driver.nouns.decision import Instruction, Reason
+from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.plan import NominalPlan
-from sumo_reactive.driver.nouns.snapshot import Snapshot
+from sumo_reactive.driver.nouns.snapshot import Foe, PathObstacle, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.behaviours.backing_up import is_right
 from sumo_reactive.driver.pilot.behaviours.changing_lanes import seeks
@@ -39,9 +37,10 @@ def detect(
     if held is None or premises is None or premises.plan is not plan:
         new_route = (Event(EventKind.NEW_ROUTE, plan.missed),) if plan.missed else ()
         return (Event(EventKind.NEW_PLAN), *new_route)
+    late, nominal = plan.on_schedule(snapshot.s, snapshot.time)
     found = _others(snapshot, held, memory, premises)
-    found += _own(snapshot, plan, ahead, memory, premises)
-    found += _times(snapshot, held, memory, premises)
+    found += _own(snapshot, nominal, ahead, memory, premises)
+    found += _times(snapshot, late, held, memory, premises)
     if no_command:
         found.append(Event(EventKind.NO_COMMAND))
     return tuple(found)
@@ -58,6 +57,7 @@ def premises_of(
     snapshot, ahead, p = view.snapshot, view.ahead, view.limits.parameters
     plan, regions = made.plan, frozenset(foe.conflict.region.id for foe in snapshot.foes)
     is_seeking, asks = seeks(snapshot, plan), Rule.REGION in RULES[made.behaviour].asks
+    others: tuple[PathObstacle | Foe, ...] = (*snapshot.on_path, *(snapshot.foes if asks else ()))
     due = {}
     looks_beside_s = p.trust_s if is_seeking else looks_beside_s
     if not is_settled and looks_beside_s < math.inf:
@@ -66,13 +66,13 @@ def premises_of(
         due[EventKind.PASS_TRIED] = snapshot.time + (p.trust_s if memory.overtaking or _is_blocked(snapshot) else p.retry_s)
     return Premises(
         view=view,
-        speeds=_speeds(snapshot) | ({foe.user.id: foe.user.speed for foe in snapshot.foes} if asks else {}),
+        speeds={one.user.id: one.user.speed for one in others},
         judged={(one.foe.user.id, one.region): one for one in rules.judged},
         exits=rules.exits,
         regions=regions,
         stages=_stages(snapshot, plan, ahead, regions),
         is_standing=snapshot.ego.speed < STANDING_SPEED,
-        is_off_nominal=_is_off_nominal(snapshot, plan),
+        is_off_nominal=_is_off_nominal(snapshot, plan.on_schedule(snapshot.s, snapshot.time)[1]),
         is_seeking=is_seeking,
         is_settled=is_settled,
         asks=asks,
@@ -96,7 +96,7 @@ def _others(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premis
             found.append(Event(EventKind.LIGHT_CHANGE, light))
     if premises.is_settled:
         return found
-    speeds, trusted = _speeds(snapshot), premises.speeds
+    speeds, trusted = {one.user.id: one.user.speed for one in snapshot.on_path}, premises.speeds
     tolerance = snapshot.parameters.behaviour_tolerance
     for user_id, speed in speeds.items():
         foreseen = trusted.get(user_id)
@@ -104,12 +104,13 @@ def _others(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premis
             found.append(Event(EventKind.NEW_OBSTACLE, user_id))
         elif abs(speed - foreseen) > tolerance or (speed < STANDING_SPEED) != (foreseen < STANDING_SPEED):
             found.append(Event(EventKind.OTHER_BEHAVIOUR, user_id))
-    if _asker(snapshot) != _asker(premises.view.snapshot):
+    if snapshot.asker is not premises.view.snapshot.asker and _asker(snapshot) != _asker(premises.view.snapshot):
         found.append(Event(EventKind.ASKED, _asker(snapshot)))
     stop = held.stop
-    if stop is not None and _is_gone(stop, speeds, premises):
+    if stop is not None and stop.cause not in speeds and _was_there(stop.cause, premises):
         found.append(Event(EventKind.CAUSE_VANISHED, stop.cause))
-    found += [event for event in overturned(snapshot, memory, premises) if event not in found]
+    if snapshot.foes or premises.judged or premises.exits:
+        found += [event for event in overturned(snapshot, memory, premises) if event not in found]
     return found
 
 
@@ -118,44 +119,49 @@ def _asker(snapshot: Snapshot) -> str:
     return "" if snapshot.asker is None else snapshot.asker.user.id
 
 
-def _is_gone(stop: TimeConstraint, speeds: Mapping[str, float], premises: Premises) -> bool:
-    """Whether the road user in the corridor that the ego stops for is out of it."""
-    return stop.cause not in speeds and any(one.user.id == stop.cause for one in premises.view.snapshot.on_path)
+def _was_there(user_id: str, premises: Premises) -> bool:
+    """Whether somebody was in the corridor."""
+    return any(obstacle.user.id == user_id for obstacle in premises.view.snapshot.on_path)
 
 
 def _own(
-    snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory, premises: Premises
+    snapshot: Snapshot, nominal: float, ahead: Ahead, memory: PilotMemory, premises: Premises
 ) -> list[Event]:
-    """Return what the ego itself has come to."""
-    found: list[Event] = []
+    """Return what the ego itself has come to, whose `nominal` speed it is (m/s)."""
+    found, plan = list[Event](), premises.plan
     if _stages(snapshot, plan, ahead, premises.regions) != premises.stages:
         found.append(Event(EventKind.INTERSECTION, next((plan.passages[i].junction_id for i, _, _ in ahead), "")))
-    if not premises.halts and _halts(snapshot, plan, ahead, memory):
+    if not premises.halts and (plan.stops or plan.turnarounds) and _halts(snapshot, plan, ahead, memory):
         found.append(Event(EventKind.STOP_AHEAD))
     if not premises.is_seeking and seeks(snapshot, plan):
         found.append(Event(EventKind.LANE_CHANGE))
     if (snapshot.ego.speed < STANDING_SPEED) != premises.is_standing:
         found.append(Event(EventKind.STANDSTILL))
-    if not premises.is_off_nominal and _is_off_nominal(snapshot, plan):
+    if not premises.is_off_nominal and _is_off_nominal(snapshot, nominal):
         found.append(Event(EventKind.OFF_NOMINAL))
     return found
 
 
 def _halts(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, memory: PilotMemory) -> bool:
     """Whether a place to halt at, by the route or for a turn in several moves, is in reach."""
-    if not plan.stops and not plan.turnarounds:
-        return False
     return is_next(snapshot, plan, ahead, memory) or is_in_reach(snapshot, plan)
 
 
-def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premises: Premises) -> list[Event]:
-    """Return what is due: times that the plan or an instruction named, delays, want of progress."""
+def _times(
+    snapshot: Snapshot, late: float, held: CompletedPlan, memory: PilotMemory, premises: Premises
+) -> list[Event]:
+    """Return what is due with an ego that is so `late` (s): times that the plan or an instruction named, delays, want of
+    progress."""
     now = snapshot.time
     found = [Event(kind) for kind, due in premises.due.items() if now >= due - 1e-6]
     if memory.serving_until is not None and now >= memory.serving_until:
         found.append(Event(EventKind.TIME_REACHED))
     if not premises.is_settled:
-        found += _late(snapshot, held, memory)
+        due = next((one.time for one in held.schedule if one.s > snapshot.front), math.inf)
+        if now > due + snapshot.parameters.time_tolerance_s:
+            found.append(Event(EventKind.CONSTRAINT_MISSED))
+        if late > memory.delay + snapshot.parameters.delay_step_s:
+            found.append(Event(EventKind.DELAY))
         if intent_of(held.stop, snapshot, memory) is not held.intent:
             found.append(Event(EventKind.TIME_REACHED, held.stop.cause if held.stop else ""))
     if now - memory.progress_time > snapshot.parameters.no_progress_s * (memory.escapes + 1):
@@ -169,26 +175,8 @@ def _times(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory, premise
     return found
 
 
-def _late(snapshot: Snapshot, held: CompletedPlan, memory: PilotMemory) -> list[Event]:
-    """Return what a delay has changed: the next time constraint, and whether it has become excessive."""
-    found: list[Event] = []
-    front = snapshot.front
-    for target in held.constraints:
-        if target.reason is Reason.ON_SCHEDULE and target.s > front:
-            if snapshot.time > target.time + snapshot.parameters.time_tolerance_s:
-                found.append(Event(EventKind.CONSTRAINT_MISSED))
-            break
-    if held.plan.delay(snapshot.s, snapshot.time) > memory.delay + snapshot.parameters.delay_step_s:
-        found.append(Event(EventKind.DELAY))
-    return found
-
-
-def _speeds(snapshot: Snapshot) -> dict[str, float]:
-    return {obstacle.user.id: obstacle.user.speed for obstacle in snapshot.on_path}
-
-
-def _is_off_nominal(snapshot: Snapshot, plan: NominalPlan) -> bool:
-    return abs(snapshot.ego.speed - plan.nominal_speed(snapshot.s)) > snapshot.parameters.off_nominal_speed
+def _is_off_nominal(snapshot: Snapshot, nominal: float) -> bool:
+    return abs(snapshot.ego.speed - nominal) > snapshot.parameters.off_nominal_speed
 
 
 def _stages(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead, regions: frozenset[str]) -> tuple[tuple[int, ...], ...]:

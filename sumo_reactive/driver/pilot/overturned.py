@@ -16,8 +16,6 @@ from sumo_reactive.driver.pilot.rules.region import carried_on, counted, judge, 
 
 def overturned(snapshot: Snapshot, memory: PilotMemory, premises: Premises) -> list[Event]:
     """Return an event for everything found at a region or behind it that is otherwise now, each once."""
-    if not (snapshot.foes or premises.judged or premises.exits):
-        return []
     found = [*_at_regions(snapshot, memory, premises), *_behind(snapshot, memory, premises)]
     return list(dict.fromkeys(found))
 

@@ -18,11 +18,12 @@ def adjusted(
     snapshot: Snapshot, plan: NominalPlan, memory: PilotMemory, events: tuple[Event, ...], delays: Delays
 ) -> tuple[tuple[TimeConstraint, ...], Replanning, PilotMemory]:
     """Return the (l, t_l) ahead, whether the planner is to be asked for new ones, and the delay that is now allowed for."""
+    late = max(plan.on_schedule(snapshot.s, snapshot.time)[0], 0.0)
     if memory.premises is None or memory.premises.plan is not plan:
-        memory = memory._replace(schedule=plan.time_constraints, delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
+        memory = memory._replace(schedule=plan.time_constraints, delay=late)
     replanning = Replanning.NOTHING
     if any(event.kind in _LATE for event in events):
-        memory = memory._replace(delay=max(plan.delay(snapshot.s, snapshot.time), 0.0))
+        memory = memory._replace(delay=late)
         if not snapshot.parameters.has(Mechanism.DELAYS):
             pass
         elif delays is Delays.SHIFT:

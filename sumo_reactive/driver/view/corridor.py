@@ -101,21 +101,23 @@ def near_boxes(
     The ego's rear axle is at (x, y), m. Who is behind it cannot: he has to look out himself.
     """
     c, s = math.cos(heading), math.sin(heading)
-    own = length + (speed + SPEED_GAINED) * TURN_FORESEEN_S + WIDTHS_M
     near, touchable = np.zeros((len(boxes), 8)), np.empty((len(boxes), 2), dtype=np.int64)
     m = k = 0
     for i in range(len(boxes)):
         dx, dy = boxes[i, 0] - x, boxes[i, 1] - y
-        away, reach = abs(dx) + abs(dy), own + boxes[i, 4] + boxes[i, 3] * TURN_FORESEEN_S
+        away = abs(dx) + abs(dy)
         if not away < NEAR_M:
             continue
         for column in range(6):  # a slice would have numba compile the words of an error
             near[m, column] = boxes[i, column]
         near[m, 7] = np.inf
-        ahead = dx * c + dy * s > -BEHIND_SHARE * away
-        if ahead and boxes[i, 3] > STANDING_SPEED and dx * dx + dy * dy < reach * reach:
-            touchable[k, 0], touchable[k, 1] = m, i
-            k += 1
+        if dx * c + dy * s > -BEHIND_SHARE * away and boxes[i, 3] > STANDING_SPEED:
+            distance = math.hypot(dx, dy)
+            leaving = boxes[i, 3] * (dx * math.cos(boxes[i, 2]) + dy * math.sin(boxes[i, 2])) / max(distance, 1e-3)
+            way = max(speed + SPEED_GAINED - leaving, 0.0) * TURN_FORESEEN_S  # by which they can come nearer
+            if distance - way < length + boxes[i, 4] + WIDTHS_M:
+                touchable[k, 0], touchable[k, 1] = m, i
+                k += 1
         m += 1
     return near[:m], touchable[:k]
 

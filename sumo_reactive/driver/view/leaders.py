@@ -48,8 +48,19 @@ FASTER = 2.0
 
 def leaders(on_path: Iterable[PathObstacle], front: float, speed: float, limits: VehicleLimits) -> list[TimeConstraint]:
     """Return a leader for each body in the corridor that will not be gone; ego's bumper at `front` m of C, `speed` m/s."""
-    found = [_leader(obstacle, front, speed, limits) for obstacle in on_path]
-    return [leader for leader in found if leader is not None]
+    found = []
+    for obstacle in on_path:
+        user, start, along = obstacle.user, obstacle.start, obstacle.along
+        brakes, gap = user.body.emergency_deceleration, start - front
+        if drives_along(obstacle):
+            found.append(stay_behind(user.id, start, max(along, 0.0), brakes))
+        elif comes_towards(obstacle):
+            found.append(stay_behind(user.id, front + gap * speed / (speed - along), 0.0, brakes))
+        else:
+            leaves = (user.body.length + limits.width) / abs(obstacle.across)
+            if gap <= 0.0 or gap / max(speed, 0.1) <= leaves + CROSSER_MARGIN_S:
+                found.append(stay_behind(user.id, start, 0.0, brakes))
+    return found
 
 
 def time_to_meet(obstacle: PathObstacle, front: float, speed: float) -> float:
@@ -73,19 +84,6 @@ def drives_along(obstacle: PathObstacle) -> bool:
 def comes_towards(obstacle: PathObstacle) -> bool:
     """Whether somebody in the corridor drives against the ego's way more than across it."""
     return obstacle.along < -STANDING_SPEED and abs(obstacle.across) < -obstacle.along
-
-
-def _leader(obstacle: PathObstacle, front: float, speed: float, limits: VehicleLimits) -> TimeConstraint | None:
-    user, start, along = obstacle.user, obstacle.start, obstacle.along
-    brakes, gap = user.body.emergency_deceleration, start - front
-    if drives_along(obstacle):
-        return stay_behind(user.id, start, max(along, 0.0), brakes)
-    if comes_towards(obstacle):
-        return stay_behind(user.id, front + gap * speed / (speed - along), 0.0, brakes)
-    leaves = (user.body.length + limits.width) / abs(obstacle.across)
-    if gap > 0.0 and gap / max(speed, 0.1) > leaves + CROSSER_MARGIN_S:
-        return None
-    return stay_behind(user.id, start, 0.0, brakes)
 
 
 class Narrow(NamedTuple):

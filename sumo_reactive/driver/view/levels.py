@@ -25,15 +25,15 @@ def on_its_level(traffic: Traffic, crossed: Mapping[str, tuple[float, ...]]) -> 
     users, boxes = traffic.users, traffic.boxes
     if not crossed:
         return users, boxes
-    near = ((k, user, crossed[user.lane_id]) for k, user in enumerate(users) if user.lane_id in crossed)
-    others = {k for k, user, places in near if _passes_on_another(user, places)}
+    near = [k for k, user in enumerate(users) if user.lane_id in crossed]
+    others = {k for k in near if _passes_on_another(users[k], crossed)} if near else ()
     met = [k for k in range(len(users)) if k not in others] if others else []
     return ([users[k] for k in met], boxes[met]) if others else (users, boxes)
 
 
-def _passes_on_another(user: RoadUser, places: Sequence[float]) -> bool:
+def _passes_on_another(user: RoadUser, crossed: Mapping[str, tuple[float, ...]]) -> bool:
     front, rear = user.lane_position, user.lane_position - user.body.length
-    return rear >= 0.0 and any(front > at - COMING_M and rear < at + GONE_M for at in places)
+    return rear >= 0.0 and any(front > at - COMING_M and rear < at + GONE_M for at in crossed[user.lane_id])
 
 
 def lanes_crossed(plan: NominalPlan, graph: RoadGraph) -> Mapping[str, tuple[float, ...]]:

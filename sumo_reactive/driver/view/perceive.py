@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
-from sumo_reactive.driver.geometry.curve import Curve, project_on_curve
+from sumo_reactive.driver.geometry.curve import Curve, located
 from sumo_reactive.driver.geometry.footprint import boxes_overlap
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.constraint import TimeConstraint, stay_behind
@@ -51,9 +51,6 @@ from sumo_reactive.driver.view.levels import lanes_crossed, on_its_level
 from sumo_reactive.driver.view.static import borders_along, static_near
 from sumo_reactive.driver.world.road_graph import RoadGraph
 
-PROJECTION_WINDOW_M = 8.0
-"""How far along C the ego is looked for around its last place: more than one second at 7 m/s, less than a loop."""
-
 MEETING_FORESEEN_S = 3.0
 """Who comes towards the ego or crosses is foreseen so far, to see whether he leaves the corridor before they meet: the
 time that the comfortable deceleration takes from 7.5 m/s…"""
@@ -69,13 +66,14 @@ _NO_ONE_NEAR: Floats = np.empty((0, 8))
 
 class _Course(NamedTuple):
     """C, and what the map says along it to a car: the corridor that it sweeps, where lanes are `crossed` on another level,
-    the narrow places, the room to lean (n,) to the left and right (m), the borders, and the ways `inside` junctions."""
+    the narrow places, the room (n,) to lean to the `left` and `right` (m), the borders, and the ways `inside` junctions."""
 
     curve: Curve
     band: CorridorSides
     crossed: Mapping[str, tuple[float, ...]]
     narrows: tuple[Narrow, ...]
-    room: tuple[Floats, Floats]
+    left: Floats
+    right: Floats
     borders: tuple[Sequence[float], Floats]
     inside: Mapping[str, tuple[tuple[Passage, float, float, float], ...]]
 
@@ -84,14 +82,14 @@ class _Course(NamedTuple):
 def _course_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> _Course:
     return _Course(
         plan.curve, band_of(plan.curve, limits), lanes_crossed(plan, graph), narrows_of(plan, graph, limits),
-        lane_room(plan, graph, limits), borders_along(plan, graph, limits.vehicle_class), _ways_inside(plan, graph),
+        *lane_room(plan, graph, limits), borders_along(plan, graph, limits.vehicle_class), _ways_inside(plan, graph),
     )  # fmt: skip
 
 
 def locate(ego: VehicleState, plan: NominalPlan, limits: VehicleLimits, s_before: float) -> tuple[float, float]:
     """Return (s, d) of the front axle on C near `s_before` (m, left positive)."""
-    curve, (x, y) = plan.curve, ego.pose.ahead(limits.wheelbase)
-    return project_on_curve(x, y, curve.x, curve.y, curve.step, s_before, PROJECTION_WINDOW_M)
+    curve = plan.curve
+    return located(*ego.pose, limits.wheelbase, curve.x, curve.y, curve.step, s_before)
 
 
 def perceive(
@@ -106,29 +104,28 @@ def perceive(
     front = s + limits.front_overhang
     near, on_path = _related(traffic, course, graph, ego, limits, front)
     sight = in_sight(plan, front, ego.speed)
-    sought = lane_sought(graph, plan, front)
+    sought = lane_sought(graph, plan, front) if plan.lane_changes or plan.merges else ""
     off_tracking = next_off_tracking(plan, graph, limits, s, front)
     if sought and (off_tracking is None or not _comes_first(off_tracking, plan, front)):
         off_tracking = None
     beside = off_tracking.lane_id if off_tracking else sought
     own = place_beside(graph, plan, beside, front, *ego.pose.ahead(limits.front_to_rear_axle)) if beside else 0.0
     neighbours = tuple(_neighbours(traffic.users, graph, beside, own)) if beside else ()
-    static = static_near(course.borders, s, ego.pose.ahead(limits.wheelbase), traffic.static)
+    static = static_near(course.borders, s, ego.pose, limits.wheelbase, traffic.static)
     met = [
         obstacle for obstacle in on_path
-        if not _stands_beside(obstacle, ego, front, step, limits)
+        if (obstacle.user.speed >= STANDING_SPEED or not _stands_beside(obstacle, ego, front, step, limits))
         and (drives_along(obstacle) or not _passes_by(obstacle, course, graph, limits, front, ego.speed))
     ]  # fmt: skip
     behind = tuple(leaders(met, front, ego.speed, limits)) if met else ()
-    if any(plan.passages[i].start - ATTENTION_MIN_AHEAD_M < front < plan.passages[i].end for i in sight):
-        inside = [user for user in traffic.users if user.lane_id in course.inside]
-        behind += tuple(_swings_back(inside, on_path, course, graph, front)) if inside else ()
+    if inside := [user for user in traffic.users if user.lane_id in course.inside] if sight else ():
+        behind += tuple(_swings_back(inside, on_path, course, graph, front))
     if course.narrows:
         near_ones = tuple(narrow for narrow in course.narrows if narrow.passage in sight)
         behind += tuple(ahead_at_narrows(traffic.users, near_ones, graph, ego, front, limits))
     lights, asker = traffic.lights, _asker(traffic, plan, graph, front) if traffic.asker else None
     sample = min(max(int(s / step), 0), len(plan.curve.x) - 1)
-    left, right = (side.item(sample) for side in course.room) if len(near) else (0.0, 0.0)
+    left, right = (course.left.item(sample), course.right.item(sample)) if len(near) else (0.0, 0.0)
     return Snapshot(
         traffic.time, ego, s, d, front, near, static, on_path, behind, (), neighbours, lights, sight, off_tracking,
         (left, right), limits.parameters, traffic.switches, asker, traffic.yellow_until,
@@ -163,8 +160,8 @@ def _related(
             near[row, 6], near[row, 7] = turn_rate(graph, user, TURN_FORESEEN_S), way_left(graph, user)
     if not len(blocking):
         return near, ()
-    pairs = zip(blocking.tolist(), stretches.tolist(), strict=True)
-    return near, tuple(PathObstacle(users[k], *stretch) for k, stretch in pairs)
+    who = map(users.__getitem__, blocking.tolist())
+    return near, tuple(map(PathObstacle, who, *stretches.T.tolist()))
 
 
 def _passes_by(
@@ -194,10 +191,9 @@ def _passes_by(
 def _stands_beside(obstacle: PathObstacle, ego: VehicleState, front: float, step: float, limits: VehicleLimits) -> bool:
     """Whether somebody who stands reaches into the corridor beside the ego's front only, and not before it: nobody stays
     behind him any more. What the body sweeps as it drives on is tested exactly, command by command."""
-    user = obstacle.user
-    if user.speed >= STANDING_SPEED or obstacle.end >= front + step:
+    if obstacle.end >= front + step:
         return False
-    x, y = ego.pose.ahead(limits.front_to_rear_axle + 0.5 * step)
+    user, (x, y) = obstacle.user, ego.pose.ahead(limits.front_to_rear_axle + 0.5 * step)
     box = box_of(user.x, user.y, user.heading, user.body.length, user.body.width)
     return not boxes_overlap(x, y, ego.pose.heading, step, limits.width, *box)
 

@@ -11,6 +11,7 @@ import numpy as np
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
 from sumo_reactive.driver.geometry.polyline import Floats
 from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan
+from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.nouns.traffic import NO_POINTS
 from sumo_reactive.driver.world.borders import BORDER_STEP_M, borders
 from sumo_reactive.driver.world.road_graph import RoadGraph
@@ -20,9 +21,9 @@ STATIC_REACH_M = 12.0
 
 
 def static_near(
-    borders: tuple[Sequence[float], Floats], s: float, place: tuple[float, float], extra: Floats = NO_POINTS
+    borders: tuple[Sequence[float], Floats], s: float, pose: Pose, wheelbase: float, extra: Floats = NO_POINTS
 ) -> Floats:
-    """Return the points of O_S (k, 2), m, near the front axle at `place`, `s` of C.
+    """Return the points of O_S (k, 2), m, near the front axle, `wheelbase` m ahead of `pose` and at `s` of C.
 
     Of the `borders` along C these are those beside it and up to STATIC_REACH_M ahead, of the `extra` points (m) those within
     that taxicab distance.
@@ -31,7 +32,7 @@ def static_near(
     near = points[bisect_left(arcs, s - BORDER_STEP_M) : bisect_left(arcs, s + STATIC_REACH_M)]
     if not len(extra):
         return near
-    away = np.abs(extra - place).sum(axis=1)
+    away = np.abs(extra - pose.ahead(wheelbase)).sum(axis=1)
     return np.concatenate((near, extra[away < STATIC_REACH_M]))
 
 

@@ -145,7 +145,7 @@ def test_a_region_is_an_event_when_the_ego_reaches_it_and_somebody_else_could():
 )
 def test_a_speed_far_from_nominal_is_an_event_once(alone, slower, is_one):
     first = alone.step()
-    ego = alone.at_speed(alone.plan.nominal_speed(first.snapshot.s) - slower)
+    ego = alone.at_speed(alone.plan.on_schedule(first.snapshot.s, 0.0)[1] - slower)
     assert events_after(ego, first) == ((Event(EventKind.OFF_NOMINAL),) if is_one else ())
     assert events_after(ego, first, premises=first.drive.memory.premises._replace(is_off_nominal=True)) == ()
 

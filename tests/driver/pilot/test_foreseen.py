@@ -88,7 +88,7 @@ def test_an_encounter_is_told_with_time_and_place(scene, meets):
     ],
 )
 def test_how_late_the_ego_will_be_is_foreseen_to_a_hundredth_of_a_second(scene, late):
-    already = ROAD.delay(10.0 - CAR.front_overhang, 100.0)
+    already = ROAD.on_schedule(10.0 - CAR.front_overhang, 100.0)[0]
     assert going_on(**scene).lateness - already == pytest.approx(late, abs=0.01)
 
 

@@ -169,7 +169,7 @@ ROWS: dict[str, tuple[Holds, float, float, float]] = {
     "m/s of a standstill": (speed_changes(EventKind.STANDSTILL, 0.0), 0.0, 2.0, STANDING_SPEED),
     "m/s off nominal": (
         speed_changes(EventKind.OFF_NOMINAL, 15.0), 8.0, 15.0,
-        road().plan.nominal_speed(road().seen().s) - USUAL.off_nominal_speed,
+        road().plan.on_schedule(road().seen().s, 0.0)[1] - USUAL.off_nominal_speed,
     ),
     "m/s of another who slows down": (other_changes, 4.0, 8.0, 8.0 - USUAL.behaviour_tolerance),
     "m/s of another who speeds up": (other_changes, 8.0, 12.0, 8.0 + USUAL.behaviour_tolerance),

@@ -5,6 +5,7 @@ import pytest
 from helpers.cars import CAR
 from helpers.situations import before
 
+from sumo_reactive.driver.nouns.state import Pose
 from sumo_reactive.driver.nouns.traffic import NO_POINTS, Traffic
 from sumo_reactive.driver.view.perceive import locate, perceive
 from sumo_reactive.driver.view.static import STATIC_REACH_M, borders_along, static_near, static_within
@@ -17,8 +18,7 @@ def ego():
 
 def near(ego, s: float, extra=NO_POINTS):
     """The points of O_S with the front axle on C at `s`."""
-    x, y, _ = ego.plan.curve.at(s)
-    return static_near(borders_along(ego.plan, ego.graph, "passenger"), s, (x, y), extra)
+    return static_near(borders_along(ego.plan, ego.graph, "passenger"), s, Pose(*ego.plan.curve.at(s)), 0.0, extra)
 
 
 def test_the_own_side_of_the_road_ends_half_a_lane_and_the_other_one_and_a_half_lanes_away(ego):
