@@ -8,7 +8,7 @@ from sumo_reactive.driver.nouns.event import Event, EventKind
 from sumo_reactive.driver.nouns.snapshot import Foe, Snapshot
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.pilot.memory import PilotMemory, Premises
-from sumo_reactive.driver.pilot.passages import Crossing, Exit
+from sumo_reactive.driver.pilot.passages import Crossing
 from sumo_reactive.driver.pilot.rules.gaps import Judgement, follows_at
 from sumo_reactive.driver.pilot.rules.post_conflict import taken_by, wait_before
 from sumo_reactive.driver.pilot.rules.region import carried_on, counted, judge, without_queues
@@ -71,14 +71,9 @@ def _clears_otherwise(judgement: Judgement, known: Judgement, snapshot: Snapshot
 
 def _behind(snapshot: Snapshot, memory: PilotMemory, premises: Premises) -> Iterator[Event]:
     """Yield the passages behind which there is room now, or no longer, or where a stop behind need not be waited for."""
-    for known in premises.exits:
-        found = _exit(known, snapshot, memory, premises)
-        if (found.is_taken, found.waits) != (known.is_taken, known.waits):
-            yield Event(EventKind.ROOM_BEHIND, known.way.passage.junction_id)
-
-
-def _exit(known: Exit, snapshot: Snapshot, memory: PilotMemory, premises: Premises) -> Exit:
-    way, limits = known.way, premises.view.limits
-    blocker = taken_by(way, snapshot, memory, limits)
-    waits = wait_before(way, known.stops, snapshot, memory, limits) is not None
-    return known._replace(is_taken=bool(blocker), waits=waits)
+    limits = premises.view.limits
+    for way, stops, was_taken, waited in premises.exits:
+        is_taken = bool(taken_by(way, snapshot, memory, limits))
+        waits = wait_before(way, stops, snapshot, memory, limits) is not None
+        if (is_taken, waits) != (was_taken, waited):
+            yield Event(EventKind.ROOM_BEHIND, way.passage.junction_id)

@@ -69,7 +69,8 @@ def notice(snapshot: Snapshot, memory: PilotMemory) -> PilotMemory:
         memory = memory._replace(standing_since=snapshot.time)
     if abs(snapshot.s - memory.progress_s) > snapshot.parameters.progress_m:
         memory = memory._replace(progress_s=snapshot.s, progress_time=snapshot.time, got_on=snapshot.time, escapes=0)
-    return memory._replace(kept=kept_waiting(snapshot, memory)) if snapshot.foes else memory
+    kept = kept_waiting(snapshot, memory) if snapshot.foes else memory.kept
+    return memory if kept == memory.kept else memory._replace(kept=kept)
 
 
 def decide(

@@ -345,6 +345,9 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
 def kept_waiting(snapshot: Snapshot, memory: PilotMemory) -> tuple[tuple[str, float], ...]:
     """Return the foes who stand because they let somebody pass, each with the time (s) until which they were seen to: they
     go when he is past."""
+    standing = [foe for foe in snapshot.foes if foe.user.speed < STANDING_SPEED and not foe.user.is_halted]
+    if not standing and not memory.kept:
+        return ()
     patience = snapshot.parameters.foe_patience_s
     known = {name: until for name, until in memory.kept if snapshot.time - until <= patience}
     moving = {
@@ -352,8 +355,8 @@ def kept_waiting(snapshot: Snapshot, memory: PilotMemory) -> tuple[tuple[str, fl
         for foe in snapshot.foes
         if foe.user.speed >= STANDING_SPEED and foe.to_region <= foe.user.speed * LETS_PASS_S
     }
-    for foe in snapshot.foes:
-        if foe.user.speed < STANDING_SPEED and not foe.user.is_halted and not foe.conflict.lets_pass.isdisjoint(moving):
+    for foe in standing:
+        if not foe.conflict.lets_pass.isdisjoint(moving):
             known[foe.user.id] = snapshot.time
     return tuple(sorted(known.items()))
 
