@@ -153,7 +153,7 @@ class Controller:
     def _limited(self, snapshot: Snapshot, completed: CompletedPlan) -> CompletedPlan:
         """Return P⁺ with what the rules beside the pilot's ask for in this step."""
         found = [one for rule in self.parts.rules for one in rule(snapshot, self.limits)]
-        return replace(completed, constraints=(*completed.constraints, *found))
+        return replace(completed, constraints=(*completed.constraints, *found)) if found else completed
 
     def _with_foes(self, snapshot: Snapshot, traffic: Traffic, plan: NominalPlan) -> Snapshot:
         """Return a snapshot that knows who can reach which region; a pilot whose decision rests on none does not ask."""

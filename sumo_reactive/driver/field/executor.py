@@ -60,8 +60,8 @@ class Execution(NamedTuple):
     """The command for the next control period, the state it leads to, and feedback to the pilot.
 
     `emergency`: it brakes harder than planned, because nothing milder stops clear of `hazard` (see `StepRecord`); with none,
-    no command is admissible, and it is the hardest brake along C. `place`: (s, d) of the front axle on C then (m, left
-    positive; None: to be found).
+    no command is admissible, and it is the hardest brake along C. `place`: (s, d) of the front axle of `state` on C (m, left
+    positive; None: to be found, as where another has put the state there).
     """
 
     command: Command

@@ -12,7 +12,7 @@ from sumo_reactive.driver.nouns.snapshot import Conflict, Foe
 from sumo_reactive.driver.nouns.traffic import Body, RoadUser, Traffic
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.ahead import conflicts_of, passages_ahead
-from sumo_reactive.driver.view.corridor import next_off_tracking
+from sumo_reactive.driver.view.corridor import next_off_tracking, off_tracking_of
 from sumo_reactive.driver.view.leaders import ORDINARY_M
 from sumo_reactive.driver.view.long_foes import Size, conflicts_with_long, size_of
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts
@@ -182,7 +182,7 @@ def lanes_in_sight(
         beside = lane_sought(graph, plan, front) or change.to_lane
     elif (merge := plan.merging(front)) is not None:
         beside = merge.to_lane
-    cut = next_off_tracking(plan, graph, limits, front - limits.front_overhang, front)
+    cut = next_off_tracking(off_tracking_of(plan, graph, limits), front - limits.front_overhang, front)
     onto = tuple(lane for lane in (beside, cut.lane_id if cut else "") if lane)
     return _lanes_of(plan, graph, limits, (ways, plan.segments[-1].start <= reach, in_sight(plan, front, speed), onto))
 

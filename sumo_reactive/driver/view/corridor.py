@@ -198,14 +198,12 @@ def off_tracking_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) 
     return tuple(sorted(found))
 
 
-def next_off_tracking(
-    plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits, s: float, front: float
-) -> OffTracking | None:
-    """Return the next off-tracking into the lane of a road that is in sight and not yet passed; none during a lane change.
+def next_off_tracking(places: tuple[OffTracking, ...], s: float, front: float) -> OffTracking | None:
+    """Return the next of the `places` along C where the body covers the lane of a road that is in sight and not yet passed.
 
     `s`, `front`: arc length of front axle and front bumper on C, m.
     """
-    for found in off_tracking_of(plan, graph, limits):
+    for found in places:
         if found.start > front + OFF_TRACKING_SIGHT_M:
             break
         if found.end > s and not found.lane_id.startswith(":"):

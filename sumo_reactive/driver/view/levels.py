@@ -23,12 +23,11 @@ def on_its_level(traffic: Traffic, crossed: Mapping[str, tuple[float, ...]]) -> 
     """Return the users of `traffic` whom the ego may meet, with their boxes (n, 6): all but those who pass it on a bridge or
     below one, wholly on their lane, one of those `crossed`."""
     users, boxes = traffic.users, traffic.boxes
-    if not crossed:
+    others = {k for k, user in enumerate(users) if user.lane_id in crossed and _passes_on_another(user, crossed)}
+    if not others:
         return users, boxes
-    near = [k for k, user in enumerate(users) if user.lane_id in crossed]
-    others = {k for k in near if _passes_on_another(users[k], crossed)} if near else ()
-    met = [k for k in range(len(users)) if k not in others] if others else []
-    return ([users[k] for k in met], boxes[met]) if others else (users, boxes)
+    met = [k for k in range(len(users)) if k not in others]
+    return [users[k] for k in met], boxes[met]
 
 
 def _passes_on_another(user: RoadUser, crossed: Mapping[str, tuple[float, ...]]) -> bool:

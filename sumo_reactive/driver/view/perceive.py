@@ -33,6 +33,7 @@ from sumo_reactive.driver.view.corridor import (
     band_of,
     blocking_ones,
     next_off_tracking,
+    off_tracking_of,
     related,
 )
 from sumo_reactive.driver.view.foresee import places_after, turn_rate, way_left
@@ -65,11 +66,13 @@ _NO_ONE_NEAR: Floats = np.empty((0, 8))
 
 
 class _Course(NamedTuple):
-    """C, and what the map says along it to a car: the corridor that it sweeps, where lanes are `crossed` on another level,
-    the narrow places, the room (n,) to lean to the `left` and `right` (m), the borders, and the ways `inside` junctions."""
+    """C, and what the map says along it to a car: the corridor that it sweeps, where it covers the lane beside, where
+    lanes are `crossed` on another level, the narrow places, the room (n,) to lean to the `left` and `right` (m), the
+    borders, and the ways `inside` junctions."""
 
     curve: Curve
     band: CorridorSides
+    off_tracking: tuple[OffTracking, ...]
     crossed: Mapping[str, tuple[float, ...]]
     narrows: tuple[Narrow, ...]
     left: Floats
@@ -81,8 +84,9 @@ class _Course(NamedTuple):
 @kept(PLANS_KEPT)
 def _course_of(plan: NominalPlan, graph: RoadGraph, limits: VehicleLimits) -> _Course:
     return _Course(
-        plan.curve, band_of(plan.curve, limits), lanes_crossed(plan, graph), narrows_of(plan, graph, limits),
-        *lane_room(plan, graph, limits), borders_along(plan, graph, limits.vehicle_class), _ways_inside(plan, graph),
+        plan.curve, band_of(plan.curve, limits), off_tracking_of(plan, graph, limits), lanes_crossed(plan, graph),
+        narrows_of(plan, graph, limits), *lane_room(plan, graph, limits), borders_along(plan, graph, limits.vehicle_class),
+        _ways_inside(plan, graph),
     )  # fmt: skip
 
 
@@ -105,7 +109,7 @@ def perceive(
     near, on_path = _related(traffic, course, graph, ego, limits, front)
     sight = in_sight(plan, front, ego.speed)
     sought = lane_sought(graph, plan, front) if plan.lane_changes or plan.merges else ""
-    off_tracking = next_off_tracking(plan, graph, limits, s, front)
+    off_tracking = next_off_tracking(course.off_tracking, s, front) if course.off_tracking else None
     if sought and (off_tracking is None or not _comes_first(off_tracking, plan, front)):
         off_tracking = None
     beside = off_tracking.lane_id if off_tracking else sought
@@ -145,7 +149,7 @@ def _related(
 
     Who cannot be touched within the foreseen time has no turn rate, and no end of his way.
     """
-    users, boxes = on_its_level(traffic, course.crossed)
+    users, boxes = on_its_level(traffic, course.crossed) if course.crossed else (traffic.users, traffic.boxes)
     if not users:
         return _NO_ONE_NEAR, ()
     curve, (x, y, heading), speed = course.curve, ego.pose, ego.speed

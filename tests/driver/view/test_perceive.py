@@ -130,6 +130,7 @@ def test_a_cut_into_the_lane_beside_is_looked_at_if_it_comes_before_the_change_t
     right = ego.other("right", "road_before_exit_0", -200.0, 15.0, ())
     change = ego.plan.next_change(0.0)
     cut = OffTracking(change.start + behind, change.start + 9.0, True, "road_before_exit_2")
+    monkeypatch.setattr(room, "off_tracking_of", lambda *of: (cut,))
     monkeypatch.setattr(room, "next_off_tracking", lambda *of: cut)
     seen = ego.seen(left, right)
     assert seen.off_tracking == (cut if is_first else None)
