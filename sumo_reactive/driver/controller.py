@@ -145,7 +145,8 @@ class Controller:
         execution = self.parts.executor(snapshot, limited, self.limits, held, nine_commands=nine, valley=valley)
         if held > period:
             execution = execution._replace(state=advance(drive.ego, execution.command, self.limits.wheelbase, period))
-        s, d = execution.place or self._place(execution.state, drive.plan, snapshot.s, completed)
+        reached = execution.place if self.parts.executor is execute else None  # another may have replaced the state
+        s, d = reached or self._place(execution.state, drive.plan, snapshot.s, completed)
         until = traffic.time + held
         after = Drive(execution.state, drive.plan, s, memory, held_plan, valley, execution, until, d)
         return Step(snapshot, completed, execution, after, runs)
