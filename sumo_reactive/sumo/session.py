@@ -6,6 +6,7 @@ import contextlib
 import os
 import sys
 import tempfile
+import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -23,6 +24,9 @@ from sumo_reactive.sumo.waking import threads_here, woken
 from sumo_reactive.sumo.window import window_arguments
 
 _ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
+
+_CLOSING_S, _ASKED_EVERY_S = 1.0, 0.02
+"""While its window closes, SUMO fails at what it is asked before it is gone: so long that takes at most."""
 
 Progress = Callable[[float, str], None]
 
@@ -55,20 +59,26 @@ class Session:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        time = self._time_if_known()
+        may_be_closed = self._has_window and isinstance(value, (*_ERRORS, RuntimeError, SimulationError))
+        time = self._time_if_known(_CLOSING_S if may_be_closed else 0.0)
         with contextlib.suppress(*_ERRORS), woken(self._window_threads):
             libsumo.close()
-        if self._has_window and not time and isinstance(value, (*_ERRORS, RuntimeError, SimulationError)):
+        if may_be_closed and not time:
             raise WindowClosedError("SUMO's window was closed") from value
         if isinstance(value, _ERRORS) or (type(value) is RuntimeError and _is_from_sumo(value)):
             said = (line.strip() for line in str(value).splitlines() if line.strip())
             raise SimulationError(f"SUMO failed{time}: {next(said, type(value).__name__)}") from value
 
-    def _time_if_known(self) -> str:
-        try:
-            return f" at {self.time:.1f} s"
-        except _ERRORS:
-            return ""
+    def _time_if_known(self, patience: float) -> str:
+        """Return the time in words, empty once SUMO is gone: so long (s) that is waited for."""
+        until = clock.monotonic() + patience
+        with contextlib.suppress(*_ERRORS):
+            while True:
+                time = f" at {self.time:.1f} s"
+                if clock.monotonic() >= until:
+                    return time
+                clock.sleep(_ASKED_EVERY_S)
+        return ""
 
     @property
     def has_window(self) -> bool:
