@@ -32,6 +32,7 @@ from sumo_reactive.sumo.lying_over import lane_lain_over, lane_turned_over
 from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observed_vehicle import Bystanders
 from sumo_reactive.sumo.observer import EgoObserver
+from sumo_reactive.sumo.passed_seen import passed_seen
 from sumo_reactive.sumo.routes import RouteWindow, crossed_before, quickest_way, unmapped_lanes
 from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
@@ -44,7 +45,6 @@ from sumo_reactive.sumo.stand_ins import (
     mapped_elsewhere,
     mapped_next,
     occupied_lane,
-    passed_seen,
     rear_beside,
     rear_unseen,
 )
