@@ -42,7 +42,6 @@ class EgoObserver:
         sensor = self._sensor
         now = sensor.look()
         lights = {light: sensor.letters(light) for light in self._lights}
-        yellow_until = {light: sensor.yellow_until(light) for light, letters in lights.items() if "y" in letters}
         horizon = self._limits.parameters.foreseen_lights_s
         switches = {light: sensor.switches(light, horizon) for light in self._lights} if horizon else NO_SWITCHES
         static = NOTHING if self._static.is_empty else self._static.near(*plan.curve.at(front)[:2])
@@ -55,7 +54,7 @@ class EgoObserver:
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(
             time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches,
-            yellow_until=yellow_until, asker=sensor.asker_of(self._ego_id), as_packed=boxes,
+            yellow_until=sensor.yellow_until(lights), asker=sensor.asker_of(self._ego_id), as_packed=boxes,
         )  # fmt: skip
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:

@@ -182,10 +182,11 @@ class Sensor:
             found = self._letters[light_id] = libsumo.trafficlight.getRedYellowGreenState(light_id)
         return found
 
-    def yellow_until(self, light_id: str) -> float:
-        """Return when a light that is yellow will switch, s; infinite: nobody knows, since it is set from outside."""
-        until = float(libsumo.trafficlight.getNextSwitch(light_id))
-        return until if until <= self._now + LONGEST_YELLOW_S else math.inf
+    def yellow_until(self, letters: Mapping[str, str]) -> dict[str, float]:
+        """Return when the lights that show yellow switch, s, by id, of those that show these `letters`; but for such as are
+        set from outside, since nobody knows."""
+        ends = {light: float(libsumo.trafficlight.getNextSwitch(light)) for light, shown in letters.items() if "y" in shown}
+        return {light: until for light, until in ends.items() if until <= self._now + LONGEST_YELLOW_S}
 
     def switches(self, light_id: str, horizon: float) -> tuple[tuple[float, str], ...]:
         """Return when a light of a fixed program will switch within `horizon` s, and its letters from then on."""

@@ -237,6 +237,21 @@ def test_the_future_of_a_light_is_known_for_as_long_as_asked_where_its_program_i
             assert sensor.switches("c", 0.0) == ()
 
 
+def test_when_a_yellow_ends_is_known_unless_it_is_set_from_outside(net, tmp_path):
+    with running(net, tmp_path, ""):
+        lights = libsumo.trafficlight
+        count, sensor = len(lights.getRedYellowGreenState("c")), Sensor()
+        made = [lights.Phase(lasts, letter * count, lasts, lasts) for lasts, letter in ((1.0, "y"), (9.0, "G"))]
+        lights.setProgramLogic("c", lights.Logic("short", 0, 0, made))
+        simulated(1)
+        sensor.look()
+        assert sensor.yellow_until({"c": "y" * count, "other": "G"}) == {"c": lights.getNextSwitch("c")}
+        lights.setRedYellowGreenState("c", "y" * count)
+        simulated(1)
+        sensor.look()
+        assert sensor.yellow_until({"c": "y" * count}) == {}
+
+
 def test_an_ego_observes_who_walks_over_the_road_ahead_and_who_is_about_to(net, tmp_path):
     graph = read_net(net).build(("wc", "ce"))
     found = plan(graph, Route(("wc", "ce")), CAR, start_of(graph, "wc", 30.0, 8.0))
