@@ -42,4 +42,4 @@ def stop_at(s: float, reason: Reason, region: str = "", cause: str = "", until: 
 def stay_behind(user_id: str, s: float, speed: float, braking: float) -> TimeConstraint:
     """Return the constraint to stay behind a leader: his rear is at `s` (m of C), his `speed` along C (m/s), his hardest
     `braking` (m/s²)."""
-    return TimeConstraint(s, math.inf, speed, True, Reason.FOLLOWS, "", user_id, user_id, braking)
+    return TimeConstraint(s, math.inf, speed, True, Reason.FOLLOWS, "", user_id, user_id, braking)  # by place: at every step
