@@ -41,6 +41,9 @@ class Eyes:
     def letters(self, light):
         return f"{light}:G"
 
+    def yellow_until(self, letters):
+        return dict.fromkeys(letters, 9.0)
+
     def vehicles(self, lanes, ego_id):
         self.asked.append((*lanes, ego_id))
         return [OnLane(users, packed_boxes(users)) for users in ((user("a"),), (), (user("b"),))]
@@ -80,6 +83,7 @@ def test_all_that_matters_is_told_with_the_time_and_without_the_ego_itself(world
     eyes = Eyes()
     traffic = EgoObserver("ego", eyes, CAR).observe(world.graph, world.plan, 12.0, 8.0, 90.0)
     assert (traffic.time, traffic.sight, traffic.lights) == (7.5, 90.0, {"s": "s:G", "t": "t:G"})
+    assert traffic.yellow_until == {"s": 9.0, "t": 9.0}
     assert [one.id for one in traffic.users] == ["a", "b", "on :c_c0_0", "stone"]
     assert [one.id for one in traffic.beside] == ["before :c_c0_0"] and traffic.asker == "who asks ego"
     assert traffic.static.tolist() == [[50.0, 0.0]]
