@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from kinds import STEP_S, Net, Witness, car, driven, edge, node, program, situation, sort, standing, stop, stream
+from kinds import STEP_S, Net, Witness, car, driven, edge, link, node, program, situation, sort, standing, stop, stream
 
 from sumo_reactive.lab.simulation import run_trial
 
@@ -110,3 +110,20 @@ def test_who_drives_on_before_the_last_of_a_column_is_not_chased_beside_it(tmp_p
     run_trial(scenario, observer=lambda scene: (witness(), passing.append(scene.step.behaviour == "overtaking")))
     assert witness.touched == {}
     assert 0.0 < sum(passing) * STEP_S < 20.0  # it stayed there to the end of the road
+
+
+@pytest.mark.parametrize(("number", "go", "first"), [(14, 12, 4), (20, 20, 4), (14, 12, 14), (20, 28, 14)])
+def test_nobody_is_passed_in_a_queue_that_moves_up(tmp_path, number, go, first):
+    """It begins to move at `go` (s), no faster than its `first` (m/s); the lane beside leads elsewhere."""
+    nodes = node("a", 0, 0) + node("b", 400, 0, type="traffic_light") + node("c", 800, 0) + node("d", 400, 200)
+    net = Net(nodes, edge("ab", numLanes=2) + edge("bc") + edge("bd"), link("ab bc", "00") + link("ab bd", "10"))
+    lights = program("b", (go, "rG"), (60, "GG"), (3, "yG"), (30, "rG"))
+    sorts = sort("first", maxSpeed=first), sort("usual", lcSpeedGain=0, lcCooperative=0)
+    said = {"departSpeed": 0, "departLane": 0}
+    queue = [car(f"q{k}", "ab bc", type="usual", departPos=382.5 - 7.5 * k, **said) for k in range(number)]
+    head = car("head", "ab bc", type="first", departPos=390, **said)
+    scenario = situation(tmp_path, net, *sorts, head, *queue, car("ego", "ab bc", 1), extra=lights, until=400)
+    witness, behaviours = Witness(), set()
+    result = run_trial(scenario, observer=lambda scene: (witness(), behaviours.add(scene.step.behaviour)))
+    assert result.verdict == "arrived without a violation"
+    assert "overtaking" not in behaviours

@@ -22,6 +22,7 @@ from sumo_reactive.driver.pilot.passed import (
     Passed,
     ahead_on_lane,
     find,
+    is_in_queue,
     lane_in_use,
     lateral_for,
     legal_end,
@@ -80,7 +81,10 @@ def proof(situation: Situation, x: PathObstacle) -> Proof:
         end = legal_end(situation, target, lane)
         return prove(situation, target, lateral, lane, end, before(situation.limits.parameters))
 
-    return _with_those_before(situation, passed(situation, x), tried)
+    target = passed(situation, x)
+    if not target.is_halted and is_in_queue(situation, target):
+        return Proof(None, f"{x.user.id} is in a queue")
+    return _with_those_before(situation, target, tried)
 
 
 def proof_under_way(situation: Situation, x: Passed, lateral: float) -> Proof:

@@ -127,6 +127,25 @@ def with_next(situation: Situation, x: Passed, user_id: str) -> Passed | None:
     return x.behind(one) if is_slow(one.speed, road, situation.limits.parameters) else None
 
 
+def is_in_queue(situation: Situation, x: Passed) -> bool:
+    """Whether somebody who moves is slow only because those before it are: one behind the other up to somebody who has
+    halted, farther than the ego sees them, or more than are passed in one go."""
+    p, last, number = situation.limits.parameters, x, 1
+    before = (one for one in ahead_on_lane(situation) if one.rear >= x.front)
+    for one in sorted(before, key=lambda one: one.rear):
+        if one.rear - last.front > _near(last, p) or one.speed > p.slow_share * situation.plan.road_speed(situation.snapshot.s):
+            return False
+        if one.speed <= ROLLING_SPEED:
+            return True
+        last, number = one, number + 1
+    return number > MOST_PASSED or last.front + _near(last, p) > situation.snapshot.front + FIND_REACH_M
+
+
+def _near(last: Passed, parameters: Parameters) -> float:
+    """Return how far behind the next one somebody keeps who follows it, m."""
+    return parameters.following_m + parameters.following_s * last.speed
+
+
 def is_slow(speed: float, road: float, parameters: Parameters) -> bool:
     """Whether somebody drives so slowly (m/s), on a road for `road` (m/s), that he is worth overtaking."""
     return ROLLING_SPEED < speed < min(parameters.slow_share * road, road - parameters.slower_by)
