@@ -131,9 +131,10 @@ def is_in_queue(situation: Situation, x: Passed) -> bool:
     """Whether somebody who moves is slow only because those before it are: one behind the other up to somebody who has
     halted, farther than the ego sees them, or more than are passed in one go."""
     p, last, number = situation.limits.parameters, x, 1
+    slow = p.slow_share * situation.plan.road_speed(situation.snapshot.s)
     before = (one for one in ahead_on_lane(situation) if one.rear >= x.front)
     for one in sorted(before, key=lambda one: one.rear):
-        if one.rear - last.front > _near(last, p) or one.speed > p.slow_share * situation.plan.road_speed(situation.snapshot.s):
+        if one.rear - last.front > _near(last, p) or one.speed > slow:
             return False
         if one.speed <= ROLLING_SPEED:
             return True
