@@ -130,21 +130,27 @@ class Ego:
         """Return the `state` of an ego that SUMO has just inserted, its body along its lane if it could not be steered back
         there within the lane; any other as it is.
 
-        While the rear would be before the start of the lane, SUMO shows an angle up to 70° off. Its speed there is in the
+        While the rear would be before the start of the lane, SUMO shows an angle up to 95° off. Its speed there is in the
         lane's own metres; from here on it is that over ground, also where it is announced: else the others would see the ego
         brake or speed up at once from lane to lane.
         """
         state = state if lane.scale == 1.0 else state._replace(speed=state.speed * lane.scale)
         front, own = float(libsumo.vehicle.getLanePosition(self.id)) * lane.scale, self.limits
-        if front >= own.length or float(libsumo.vehicle.getDistance(self.id)) >= own.length:
+        if not self._hangs_over(front):
             return state
         (x, y), (sx, sy), start = lane.spine.at(front), lane.spine.at(0.0), lane.spine.heading_at(0.0)
         back = own.length - front
         heading = math.atan2(y - sy + back * math.sin(start), x - sx + back * math.cos(start))
-        askew = wrapped(state.pose.heading - heading) * state.speed
-        if askew * askew <= own.max_lateral_acceleration * (lane.width - own.width):  # drifts v²ε²/2a to the side
+        turned = wrapped(state.pose.heading - heading)
+        drifts = (turned * state.speed) ** 2 > own.max_lateral_acceleration * (lane.width - own.width)  # v²ε²/2a to the side
+        if not drifts and abs(turned) < 0.5 * math.pi:
             return state
         return state._replace(pose=pose_of(*front_of(state.pose, own), heading, own))
+
+    def _hangs_over(self, front: float) -> bool:
+        """Whether SUMO has just inserted the ego with its front `front` m behind the start of a lane, its rear before it."""
+        length = self.limits.length
+        return front < length and float(libsumo.vehicle.getDistance(self.id)) < length
 
     def place(
         self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_unmapped: bool = False
@@ -371,7 +377,10 @@ class Ego:
         lane_id = libsumo.vehicle.getLaneID(self.id)
         if not lane_id:
             raise ScenarioError(f"ego '{self.id}' is on no lane at {libsumo.simulation.getTime():.1f} s")
-        along = heading_of(libsumo.lane.getAngle(lane_id, libsumo.vehicle.getLanePosition(self.id)))
+        position = float(libsumo.vehicle.getLanePosition(self.id))
+        if self._hangs_over(position):
+            return
+        along = heading_of(libsumo.lane.getAngle(lane_id, position))
         if math.cos(along - heading_of(libsumo.vehicle.getAngle(self.id))) < 0.0:
             place = f"on the oncoming side of lane '{lane_id}'"
             raise ScenarioError(f"ego '{self.id}' is {place}; it cannot be taken over there")

@@ -266,6 +266,12 @@ def test_who_looks_against_his_lane_where_he_is_is_refused(monkeypatch, off, is_
     assert str(told.value) == "ego 'ego' is on the oncoming side of lane 'w_0'; it cannot be taken over there"
 
 
+def test_who_has_just_been_inserted_half_before_his_lane_is_not_refused_for_the_angle_that_sumo_shows(monkeypatch, net):
+    ego, _ = scripted(monkeypatch, getLanePosition=1.0, getDistance=0.0, getAngle=-95.0)
+    state = state_at(ego, *net.lane("n_0").spine.at(1.0), 0.5 * math.pi + math.radians(95.0))
+    assert ego.laid_along(net.lane("n_0"), state).pose.heading == pytest.approx(0.5 * math.pi)
+
+
 def test_who_is_on_no_lane_is_refused_with_the_time(monkeypatch):
     with pytest.raises(ScenarioError, match=r"^ego 'ego' is on no lane at 7\.0 s$"):
         scripted(monkeypatch, getLaneID="")
