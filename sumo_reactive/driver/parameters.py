@@ -223,7 +223,7 @@ class Parameters:
     """A gap that opens within this time is met rolling; for a later one the ego comes to a stand."""
 
     foe_acceleration: float = 1.5
-    """How a foe may speed up on its way to a region."""
+    """How a foe may speed up on its way to a region; more if its kind can, see `Body.gains`."""
 
     leaving_acceleration: float = 1.0
     """No more is counted on of a foe that is seen to gain speed as it leaves the junction: half of what a car does."""

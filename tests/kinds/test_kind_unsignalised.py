@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from kinds import ARMS, Net, car, cross, driven, edge, element, fails, link, node, stop, stream
+from kinds import ARMS, Net, car, cross, driven, edge, element, fails, link, node, sort, stop, stream
 
 FOUR = ("wc ce", "sc cn", "ec cw", "nc cs")
 """Straight on from each side."""
@@ -185,4 +185,13 @@ def test_the_ego_does_not_come_to_stand_behind_a_queue_where_the_oncoming_lane_l
 def test_who_goes_first_and_will_brake_for_his_turn_is_not_followed_into_it_too_soon(tmp_path, late, step):
     turner = car("x", "ec cn", 3.0 + late)
     run = driven(tmp_path, cross(arm=150.0, speed=16.0), car("ego", "sc cn", 3.0, departSpeed=10), turner, step=step)
+    assert run.complaints() == []
+
+
+@pytest.mark.parametrize("at", [41, 47, 53])
+def test_a_motorcycle_speeds_up_too_fast_for_a_bus_to_turn_before_it(tmp_path, at):
+    """It comes from the left, `at` m from the beginning of its road, slowly at first."""
+    moto = sort("moto", vClass="motorcycle", length=2.2, width=0.9, sigma=0)
+    other = car("m", "wc ce", 7, type="moto", departPos=at, departSpeed=4)
+    run = driven(tmp_path, cross(arm=140.0), moto, other, car("ego", "sc cw", type="bus"), until=90)
     assert run.complaints() == []

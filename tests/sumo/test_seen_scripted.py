@@ -25,7 +25,7 @@ NORTH, EAST = 0.5 * math.pi, 0.0
 LANE = SeenLane("a_0", "a", 1.5, False)
 CAR = {
     "getPosition": (10.0, 20.0), "getAngle": 0.0, "getSpeed": 4.0, "getLanePosition": 30.0, "getLength": 5.0,
-    "getWidth": 1.75, "getDecel": 4.0, "getEmergencyDecel": 7.0, "getMaxSpeed": 40.0, "getRouteIndex": 1,
+    "getWidth": 1.75, "getDecel": 4.0, "getEmergencyDecel": 7.0, "getAccel": 3.5, "getMaxSpeed": 40.0, "getRouteIndex": 1,
     "getRoute": ("z", "a", "b", "c"), "getWaitingTime": 6.0, "isStopped": 1, "getAcceleration": -2.0,
     "getVehicleClass": "passenger",
 }  # fmt: skip
@@ -55,7 +55,7 @@ def vehicles(sensor, *lanes):
 def test_a_vehicle_that_moves_is_read_with_places_and_speeds_over_ground(monkeypatch):
     sensor, _ = seeing(monkeypatch, {"a_0": ("x",)})
     assert sensor.look() == 5.0
-    body = Body(5.0, 1.75, 7.0, 40.0)
+    body = Body(5.0, 1.75, 7.0, 40.0, acceleration=3.5)
     assert vehicles(sensor, LANE) == [
         RoadUser("x", 10.0, 20.0, NORTH, 6.0, "a_0", 45.0, body, ("a", "b", "c"), 0.0, False, -3.0)
     ]
@@ -236,7 +236,7 @@ def test_an_observed_vehicle_sees_all_that_is_subscribed_on_its_level(monkeypatc
     view = observed.look()
     (other,) = view.others
     assert other == RoadUser("x", 3.0, 4.0, EAST, 4.0, ":j_0_0", 30.0, other.body, ("b", "c"), acceleration=-1.5)
-    assert other.body == (*body(5.0, 1.75), False, 0.0)
+    assert other.body == (*body(5.0, 1.75), False, 0.0, 0.0)
     assert (view.own.id, view.own.route, view.own.heading) == ("ego", ("a", "b", "c"), NORTH)
     assert (observed.departure, observed.limits.length) == (2.0, 5.0)
 
@@ -286,7 +286,7 @@ def test_people_are_seen_on_crossings_within_reach(monkeypatch, x, y, road, is_s
     watched(monkeypatch, {"ego": values(10.0, 20.0)}, {"far": walker(500.0, 0.0), "p": walker(x, y, road)})
     found = ObservedVehicle("ego", 70.0).look().others
     assert [one[:7] for one in found] == ([("p", x, y, EAST, 1.25, f"{road}_0", 3.0)] if is_seen else [])
-    assert [one.body for one in found] == ([(*body(0.25, 0.5), True, 0.0)] if is_seen else [])
+    assert [one.body for one in found] == ([(*body(0.25, 0.5), True, 0.0, 0.0)] if is_seen else [])
 
 
 @pytest.mark.parametrize(

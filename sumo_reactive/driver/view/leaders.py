@@ -188,7 +188,7 @@ def _turn(
     for theirs, user in coming:
         caught_up = max(inside / pace - inside / max(user.speed, 1.0), 0.0)
         clear = max(own, turn) + limits.length / pace + caught_up + p.narrow_lead_s
-        if clear < travel_time(theirs, user.speed, p.foe_acceleration, top):
+        if clear < travel_time(theirs, user.speed, user.body.gains(p.foe_acceleration), top):
             break
         if theirs + user.body.length > 0.0:
             pace_there = min(user.speed, top) if narrow.is_long else user.speed  # who is long turns slowly

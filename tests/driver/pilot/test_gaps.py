@@ -74,6 +74,12 @@ def test_a_pedestrian_keeps_its_pace_and_is_not_taken_for_slower_than_half_a_met
     assert other == pytest.approx((arrival, arrival * 9.2 / 6.0, arrival * 9.2 / 6.0))
 
 
+@pytest.mark.parametrize(("can", "gains"), [(0.0, 1.5), (2.6, 1.5), (6.0, 3.42)])
+def test_who_can_speed_up_faster_than_cars_may_come_sooner(can, gains):
+    quick = foe(4.0, 16.0, body=CAR_BODY._replace(acceleration=can))
+    assert threat(quick, USUAL).arrival == pytest.approx(travel_time(16.0, 4.0, gains, 12.0))
+
+
 def test_a_car_may_come_sooner_than_at_its_speed_and_leave_no_sooner():
     one = foe(8.0, 16.0)
     other = threat(one, USUAL)

@@ -105,7 +105,7 @@ def threat(foe: Foe, parameters: Parameters, *, expects_ego: bool = False, gaini
         clearance, merged = (travel_time(way, slow, gaining, fast) for way in (foe.to_clear, to_merged))
     else:
         clearance, merged = _into_its_turn(foe, foe.to_clear), _into_its_turn(foe, to_merged)
-    arrival = travel_time(foe.to_region, user.speed, parameters.foe_acceleration, max(top, STANDING_SPEED))
+    arrival = travel_time(foe.to_region, user.speed, user.body.gains(parameters.foe_acceleration), max(top, STANDING_SPEED))
     return Threat(
         arrival=arrival if expects_ego else min(arrival, _over_the_road(foe, parameters)),
         clearance=clearance,
@@ -127,7 +127,8 @@ def _into_its_turn(foe: Foe, way: float) -> float:
 def _over_the_road(foe: Foe, parameters: Parameters) -> float:
     """When a foe may come that speeds up as far as the road before its line allows, and brakes for its turn there, s."""
     way, speed, turn = foe.to_stop_line, foe.user.speed, foe.conflict.other.speed_limit
-    top, gains = min(foe.conflict.other.approach_limit, foe.user.body.max_speed), parameters.foe_acceleration
+    body = foe.user.body
+    top, gains = min(foe.conflict.other.approach_limit, body.max_speed), body.gains(parameters.foe_acceleration)
     if way <= 0.0 or turn >= top or speed >= top:
         return math.inf
     brakes = FEARED_DECELERATION
