@@ -29,7 +29,8 @@ class Crossing(NamedTuple):
     `stop` where the ego means to stop behind it (m of C, infinite: nowhere), `turn` the moves in which it turns round.
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
     nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor. `swing`: how far before
-    the stop line the body begins to swing over others' ways, m. `last`: where the last region ends, `post`: where the room
+    the stop line the body begins to swing over others' ways, m. `stub`: how far before it the line before is, where nobody
+    can stand between them, m. `last`: where the last region ends, `post`: where the room
     behind the last begins in which the ego may not stand (m of C; infinitely far behind: it has none)."""
 
     number: int
@@ -42,20 +43,28 @@ class Crossing(NamedTuple):
     wait_at: float | None = None
     waits_in_the_way: frozenset[str] = frozenset()
     swing: float = 0.0
+    stub: float = 0.0
     last: float = -math.inf
     post: float = -math.inf
 
     @property
     def line(self) -> float:
         """Where to stop before the junction, m of C: the stop line, or as far before it as others' ways reach over it, as
-        the body swings over theirs, or as a turn in several moves begins."""
-        line = self.passage.start - max(self.connection.hold_back, self.swing)
+        the body swings over theirs, as the line before is, or as a turn in several moves begins."""
+        line = self.passage.start - max(self.connection.hold_back, self.swing, self.stub)
         return line if self.turn is None else min(line, self.turn.start)
 
     def at(self, path_length: float) -> float:
         """Arc length on C of a place on the connection's path, m; C is as long as the lanes before and behind it."""
         inside = min(max(path_length, 0.0), self.connection.path.length)
         return self.passage.start + inside * self.scale + path_length - inside
+
+
+STUB_M = 1.0
+"""A piece of road shorter than this before a stop line holds nobody's front…"""
+
+NODE_M = 3.0
+"""…and a junction whose way is shorter than this is a node that only divides the road."""
 
 
 def reach_of(snapshot: Snapshot) -> float:
@@ -107,7 +116,7 @@ def crossings(snapshot: Snapshot, plan: NominalPlan, ahead: Ahead) -> Iterator[C
         in_the_way = frozenset(conflict.other.id for conflict in conflicts if conflict.waits_in_the_way)
         way = Crossing(
             index, passage, connection, scale, max(pace, 1.0), turn=turn, wait_at=wait_at, waits_in_the_way=in_the_way,
-            swing=_swing(connection, conflicts),
+            swing=_swing(connection, conflicts), stub=_stub(plan, index),
         )  # fmt: skip
         ends = (way.at(conflict.region.own.end) for conflict in conflicts)
         posts = (way.at(conflict.region.post.start) for conflict in conflicts if _counts_behind(conflict))
@@ -126,6 +135,17 @@ def _counts_behind(conflict: Conflict) -> bool:
 def _pace(plan: NominalPlan, first: int, last: int) -> float:
     """Return the lowest speed limit of the samples `first` to `last` of C, m/s."""
     return float(plan.speed_limits[first:last].min())
+
+
+def _stub(plan: NominalPlan, index: int) -> float:
+    """Return how far before a stop line (m) the one before it is, where the map divides a road just before its junction:
+    whoever stops at the line would stand with his front on the way over the node."""
+    place = line = plan.passages[index].start
+    for before in reversed(plan.passages[:index]):
+        if place - before.end >= STUB_M or before.end - before.start >= NODE_M:
+            break
+        place = before.start
+    return line - place
 
 
 def _swing(connection: Connection, conflicts: tuple[Conflict, ...]) -> float:

@@ -97,3 +97,26 @@ def test_who_is_longer_than_the_way_to_the_next_line_waits_before_the_junction(b
     stop = stop_at(way.passage.start + long.length + behind, Reason.YIELD_TO)
     found = wait_before(way, (stop,), situation.snapshot, situation.memory, long)
     assert (None if found is None else found.s - ego.line) == place
+
+
+@pytest.mark.parametrize(
+    ("nodes", "before_it"),
+    [
+        ((), 0.0),
+        (((-1.8, -0.9),), 1.8),
+        (((-2.2, -1.1),), 0.0),  # the front finds room between them
+        (((-3.8, -0.9),), 3.8),
+        (((-4.0, -0.9),), 0.0),  # a junction of its own
+        (((-3.0, -2.2), (-1.6, -0.4)), 3.0),
+    ],
+)
+def test_where_the_map_divides_the_road_just_before_a_junction_the_ego_stops_before_the_node(nodes, before_it):
+    """Each of the `nodes` from and to so far behind the stop line, m."""
+    ego = before("four_way_priority", NORTH, 20.0, 5.0)
+    situation = ego.considered()
+    index, connection, conflicts = situation.ahead[0]
+    passage = situation.plan.passages[index]
+    divided = [replace(passage, start=passage.start + start, end=passage.start + end) for start, end in nodes]
+    plan = replace(situation.plan, passages=(*divided, *situation.plan.passages[index:]))
+    (way,) = crossings(situation.snapshot, plan, ((len(divided), connection, conflicts),))
+    assert passage.start - way.line == pytest.approx(before_it)
