@@ -23,6 +23,12 @@ WAIT_SHIFT_M = 4.0
 Ahead = tuple[tuple[int, Connection, tuple[Conflict, ...]], ...]
 """The passages in sight: index in the plan, connection, conflicts."""
 
+STUB_M = 1.0
+"""A piece of road shorter than this before a stop line holds nobody's front…"""
+
+NODE_M = 3.0
+"""…and a junction whose way is shorter than this is a node that only divides the road."""
+
 
 class Crossing(NamedTuple):
     """One passage under consideration: `scale` is metres of C per metre of the connection's path, `pace` its top speed,
@@ -30,8 +36,8 @@ class Crossing(NamedTuple):
     `wait_at` (m of the path): where a turn may wait inside the junction without standing in the way of others (None:
     nowhere). `waits_in_the_way`: the connections on which others wait for the ego in its corridor. `swing`: how far before
     the stop line the body begins to swing over others' ways, m. `stub`: how far before it the line before is, where nobody
-    can stand between them, m. `last`: where the last region ends, `post`: where the room
-    behind the last begins in which the ego may not stand (m of C; infinitely far behind: it has none)."""
+    can stand between them, m. `last`: where the last region ends, `post`: where the room behind the last begins in which
+    the ego may not stand (m of C; infinitely far behind: it has none)."""
 
     number: int
     passage: Passage
@@ -58,13 +64,6 @@ class Crossing(NamedTuple):
         """Arc length on C of a place on the connection's path, m; C is as long as the lanes before and behind it."""
         inside = min(max(path_length, 0.0), self.connection.path.length)
         return self.passage.start + inside * self.scale + path_length - inside
-
-
-STUB_M = 1.0
-"""A piece of road shorter than this before a stop line holds nobody's front…"""
-
-NODE_M = 3.0
-"""…and a junction whose way is shorter than this is a node that only divides the road."""
 
 
 def reach_of(snapshot: Snapshot) -> float:

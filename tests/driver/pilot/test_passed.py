@@ -11,7 +11,18 @@ from helpers.situations import before
 from sumo_reactive.driver.nouns.forecast import LaneBeside
 from sumo_reactive.driver.nouns.plan import Aside
 from sumo_reactive.driver.parameters import USUAL
-from sumo_reactive.driver.pilot.passed import EDGE_MARGIN_M, find, is_clear_of, lane_in_use, lateral_for, legal_end, passed
+from sumo_reactive.driver.pilot.passed import (
+    EDGE_MARGIN_M,
+    MOST_PASSED,
+    ROLLING_SPEED,
+    find,
+    is_clear_of,
+    is_in_queue,
+    lane_in_use,
+    lateral_for,
+    legal_end,
+    passed,
+)
 
 EGO = before("blocked_lane", ("eastbound", "eastbound_out"), 300.0, 8.0)
 X = EGO.ahead("x", 30.0, 0.0, halted=True)
@@ -125,3 +136,30 @@ def test_passing_ends_before_a_stop_and_where_the_lane_does():
     assert legal_end(situation, who(situation), lane) == lane.end < plain
     nearer = replace(situation.plan, goal=EGO.seen().front + 50.0)
     assert legal_end(situation._replace(plan=nearer), who(situation), lane) == nearer.goal
+
+
+SLOW, NEAR = 2.0, USUAL.following_m + USUAL.following_s * 2.0
+
+
+@pytest.mark.parametrize(
+    ("gaps", "speeds", "is_queue"),
+    [
+        ((), (), False),
+        ((3.0,) * (MOST_PASSED - 1), (SLOW,) * (MOST_PASSED - 1), False),
+        ((3.0,) * MOST_PASSED, (SLOW,) * MOST_PASSED, True),
+        ((3.0, 3.0), (SLOW, ROLLING_SPEED), True),
+        ((3.0, 3.0), (SLOW, ROLLING_SPEED + 0.1), False),
+        ((3.0, NEAR + 0.5), (SLOW, 0.0), False),
+        ((3.0, NEAR - 0.5), (SLOW, 0.0), True),
+        ((3.0, 3.0, 3.0), (SLOW, 12.0, 0.0), False),
+        ((14.0,) * 3, (SLOW,) * 3, True),  # farther than the ego sees
+    ],
+)
+def test_who_is_slow_because_of_those_before_him_is_in_a_queue(gaps, speeds, is_queue):
+    """Each of those before X drives so far before the one behind it, m."""
+    users, at = [EGO.ahead("x", 10.0, SLOW)], 10.0
+    for k, (gap, speed) in enumerate(zip(gaps, speeds, strict=True)):
+        at += BODY.length + gap
+        users.append(EGO.ahead(f"q{k}", at, speed))
+    situation = EGO.considered(*users, sight=600.0)
+    assert is_in_queue(situation, passed(situation, situation.ahead_of_ego)) is is_queue
