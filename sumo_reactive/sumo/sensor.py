@@ -292,4 +292,5 @@ def _body(name: str) -> Body:
     braking = max(vehicle.getDecel(name), vehicle.getEmergencyDecel(name))
     length, width = size_of_body(name, vehicle.getLength(name), vehicle.getWidth(name))
     first_part = min(length, TRACTOR_M) if vehicle.getVehicleClass(name) == "trailer" else 0.0
-    return Body(length, width, braking, vehicle.getMaxSpeed(name), False, first_part, vehicle.getAccel(name))
+    gains = vehicle.getAccel(name)
+    return Body(length, width, braking, vehicle.getMaxSpeed(name), first_part=first_part, acceleration=gains)

@@ -134,17 +134,17 @@ def is_in_queue(situation: Situation, x: Passed) -> bool:
     slow = p.slow_share * situation.plan.road_speed(situation.snapshot.s)
     before = (one for one in ahead_on_lane(situation) if one.rear >= x.front)
     for one in sorted(before, key=lambda one: one.rear):
-        if one.rear - last.front > _near(last, p) or one.speed > slow:
+        if one.rear - last.front > follows_within(last.speed, p) or one.speed > slow:
             return False
         if one.speed <= ROLLING_SPEED:
             return True
         last, number = one, number + 1
-    return number > MOST_PASSED or last.front + _near(last, p) > situation.snapshot.front + FIND_REACH_M
+    return number > MOST_PASSED or last.front + follows_within(last.speed, p) > situation.snapshot.front + FIND_REACH_M
 
 
-def _near(last: Passed, parameters: Parameters) -> float:
-    """Return how far behind the next one somebody keeps who follows it, m."""
-    return parameters.following_m + parameters.following_s * last.speed
+def follows_within(speed: float, parameters: Parameters) -> float:
+    """Return how near behind the next one somebody of this `speed` (m/s) follows it, m."""
+    return parameters.following_m + parameters.following_s * speed
 
 
 def is_slow(speed: float, road: float, parameters: Parameters) -> bool:

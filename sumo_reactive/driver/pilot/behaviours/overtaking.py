@@ -16,6 +16,7 @@ from sumo_reactive.driver.pilot.passed import (
     Passed,
     ahead_on_lane,
     find,
+    follows_within,
     is_clear_of,
     is_slow,
     lane_in_use,
@@ -48,7 +49,7 @@ def follows_x(situation: Situation) -> bool:
     if x.user.is_halted:
         return gap < p.following_m + HALTED_AHEAD_S * speed
     road = situation.plan.road_speed(situation.snapshot.s)
-    return is_slow(x.along, road, p) and gap < p.following_m + p.following_s * speed
+    return is_slow(x.along, road, p) and gap < follows_within(speed, p)
 
 
 def has_settled(situation: Situation) -> bool:
