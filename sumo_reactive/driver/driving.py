@@ -95,9 +95,10 @@ class Driving(NamedTuple):
             later = self._later(time)
             if later is not None:
                 return later
-            here, way = here._looked_for_rerouting()
+            start = here._start(time)
+            here, way = here._looked_for_rerouting(start)
             if way is not None and here._is_worth(way, time):
-                return here._rerouted(way, time)
+                return here._rerouted(way, start)
         return here._replanned(step, time) if here._needs_curve(step) else here
 
     def _later(self, time: float) -> Driving | None:
@@ -133,12 +134,24 @@ class Driving(NamedTuple):
             with suppress(PlanError):  # carried onto another lane, from which there is no such change
                 return self._on(self._plan(start, asked.change_lane, aside), time)
         try:
-            return self._on(self._plan(start, aside=aside), time)
+            return self._on(self._plan(start, aside=aside), time)._with_room(start)
         except PlanError:  # carried past the last place to change lanes
-            here, way = self._looked_for_rerouting()
+            here, way = self._looked_for_rerouting(start)
             if way is None:
                 raise
-            return here._rerouted(way, time)
+            return here._rerouted(way, start)
+
+    def _with_room(self, start: PlanStart) -> Driving:
+        """Return the driving on another way, if there is one, where the car cannot be steered to the lane of its turn."""
+        limits = self.controller.limits
+        change = next((one for one in self.drive.plan.lane_changes if one.from_lane == start.lane_id), None)
+        if change is None:
+            return self
+        aside = self.graph.lanes[change.to_lane].spine.project(*start.pose.ahead(limits.wheelbase))[1]
+        if change.end - change.start > shortest_change(abs(aside), limits.max_curvature):
+            return self
+        here, way = self._looked_for_rerouting(start)
+        return self if way is None else here._rerouted(way, start)
 
     def _on(self, new_plan: NominalPlan, time: float) -> Driving:
         return self._replace(drive=replanned(self.drive, new_plan, time))
@@ -178,21 +191,20 @@ class Driving(NamedTuple):
                 return graph.lanes[names[names.index(lane.id, 1 if inside else 0) + 1]]
         return None
 
-    def _looked_for_rerouting(self) -> tuple[Driving, Rerouting | None]:
-        """Return the other way from the car's lane to its goal, looked for once on each lane."""
-        here = segment_at(self.drive.plan, self.front)
-        if self.looked[:2] == (here.route_index, here.lane_id):
+    def _looked_for_rerouting(self, start: PlanStart) -> tuple[Driving, Rerouting | None]:
+        """Return the other way from the lane of a start to the goal, looked for once on each lane."""
+        if self.looked[:2] == (start.route_index, start.lane_id):
             return self, self.looked[2]
-        found = self._rerouting(self.ways, here) if self.ways else None
-        return self._replace(looked=(here.route_index, here.lane_id, found)), found
+        found = self._rerouting(self.ways, start) if self.ways else None
+        return self._replace(looked=(start.route_index, start.lane_id, found)), found
 
-    def _rerouting(self, ways: Ways, here: LaneSegment) -> Rerouting | None:
-        """Return the quickest other way to the goal that the lane `here` leads to without a change; None: there is none.
+    def _rerouting(self, ways: Ways, start: PlanStart) -> Rerouting | None:
+        """Return the quickest other way to the goal that the lane of a start leads to without a change; None: there is none.
 
         It passes the stops of the route that are not served yet.
         """
-        graph, route, index = self.graph, self.route, here.route_index
-        lane = graph.lanes[here.lane_id]
+        graph, route, index = self.graph, self.route, start.route_index
+        lane = graph.lanes[start.lane_id]
         stops = tuple(stop for stop in route.stops if stop not in self.drive.memory.served)
         goals = [*(graph.lanes[stop.lane_id].edge_id for stop in stops), route.edges[-1]]
         if lane.is_internal or index + 1 >= len(route.edges) or lane.edge_id in goals[:-1]:
@@ -215,15 +227,15 @@ class Driving(NamedTuple):
         since = self.drive.memory.waiting_since
         return since is not None and time - since >= min(way.longer, self.controller.limits.parameters.detour_patience_s)
 
-    def _rerouted(self, way: Rerouting, time: float) -> Driving:
-        """Return the driving on the other way, in the world around it."""
-        start = replace(self._start(time), route_index=0, stays_on=-1)
-        memory = self.drive.memory._replace(waiting_since=None, escapes=0, progress_time=time)
+    def _rerouted(self, way: Rerouting, start: PlanStart) -> Driving:
+        """Return the driving on the other way from a start, in the world around it."""
+        start = replace(start, route_index=0, stays_on=-1)
+        memory = self.drive.memory._replace(waiting_since=None, escapes=0, progress_time=start.time)
         other = self._replace(
             controller=replace(self.controller, graph=way.choice.graph), route=way.route, choice=way.choice,
             drive=self.drive._replace(memory=memory), looked=(-1, "", None),
         )  # fmt: skip
-        return other._on(replace(other._plan(start), missed=way.missed), time)
+        return other._on(replace(other._plan(start), missed=way.missed), start.time)
 
 
 def set_out(
@@ -236,7 +248,13 @@ def set_out(
     graph, limits = controller.graph, controller.limits
     nominal = plan(graph, route, limits, start)
     drive = Drive(VehicleState(start.pose, start.speed, start.steering_angle), nominal, 0.0)
-    return Driving(controller, route, choose_lanes(graph, route, limits.vehicle_class), drive, start.speed_factor, ways)
+    choice = choose_lanes(graph, route, limits.vehicle_class)
+    return Driving(controller, route, choice, drive, start.speed_factor, ways)._with_room(start)
+
+
+def shortest_change(aside: float, curvature: float) -> float:
+    """Return the least way (m) on which a car moves by `aside` (m), one arc of its `curvature` (1/m) after another."""
+    return math.sqrt(max(aside * (4.0 / curvature - aside), 0.0))
 
 
 def segment_at(nominal: NominalPlan, front: float) -> LaneSegment:

@@ -1,5 +1,6 @@
 """The driver alone, without SUMO: it changes lanes, overtakes, plans on and takes another way, past cars placed by hand."""
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,7 +9,7 @@ from helpers.cars import BODY, CAR
 from helpers.situations import NETWORKS, graph_of
 
 from sumo_reactive.driver.controller import Controller
-from sumo_reactive.driver.driving import Driving, set_out
+from sumo_reactive.driver.driving import Driving, set_out, shortest_change
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
 from sumo_reactive.driver.nouns.decision import Instruction
 from sumo_reactive.driver.nouns.state import Pose
@@ -135,6 +136,31 @@ def test_it_looks_for_a_way_round_once_on_each_lane_and_keeps_to_its_route_witho
 def test_a_driver_that_knows_no_roads_beyond_its_world_keeps_to_its_route():
     before, after = missing_its_turn(None, -1000.0)
     assert after.route is before.route
+
+
+@pytest.mark.parametrize(("left", "is_taken"), [(1.0, True), (5.0, True), (30.0, False)])
+def test_a_change_that_no_steering_has_room_for_is_not_begun_where_there_is_another_way(left, is_taken):
+    ways = Detour(("road_after_exit",))
+    end = graph_of("multi_lane_road", ("road_before_exit", "exit")).lanes["road_before_exit_1"].spine.length
+    driving = setting_out("multi_lane_road", ("road_before_exit", "exit"), "road_before_exit_1", end - left, 1.0, ways)
+    assert ways.asked == is_taken
+    assert (driving.route.edges == ("road_before_exit", "road_after_exit")) is is_taken
+    assert bool(driving.drive.plan.lane_changes) is not is_taken
+
+
+def test_a_change_without_room_is_begun_where_there_is_no_other_way():
+    ways = Detour(())
+    end = graph_of("multi_lane_road", ("road_before_exit", "exit")).lanes["road_before_exit_1"].spine.length
+    driving = setting_out("multi_lane_road", ("road_before_exit", "exit"), "road_before_exit_1", end - 1.0, 1.0, ways)
+    assert ways.asked == 1 and driving.drive.plan.lane_changes
+
+
+@pytest.mark.parametrize("aside", [0.0, 1.0, 3.2])
+def test_the_shortest_change_is_two_arcs_of_the_tightest_circle(aside):
+    radius = 5.0
+    length = shortest_change(aside, 1.0 / radius)
+    turned = math.asin(0.5 * length / radius)
+    assert 2.0 * radius * (1.0 - math.cos(turned)) == pytest.approx(aside)
 
 
 def test_a_route_that_no_lanes_join_is_refused():
