@@ -55,21 +55,21 @@ def conflicts_with_long(graph: RoadGraph, own_id: str, size: Size) -> tuple[Conf
     On their ways (`other`) the regions are where their fronts are while they are in them.
     """
     own = graph.connections[own_id]
-    known = conflicts_of(graph, own, graph.regions_on(own))
-    return tuple(_widened(graph, own, {conflict.other.id: conflict for conflict in known}, size))
+    return tuple(_widened(graph, own, conflicts_of(graph, own, graph.regions_on(own)), size))
 
 
-def _widened(graph: RoadGraph, own: Connection, known: dict[str, Conflict], size: Size) -> Iterator[Conflict]:
+def _widened(graph: RoadGraph, own: Connection, known: tuple[Conflict, ...], size: Size) -> Iterator[Conflict]:
     line = _own_line(graph, own)
     band = shapely.buffer(line, 0.5 * SWEPT_WIDTH_M, cap_style="flat")
     shapely.prepare(band)
     for other in graph.junctions[own.junction_id].connections:
         is_met = road_of(other.from_lane) == road_of(own.from_lane) or other.to_lane == own.to_lane or other.is_crossing
         found = None if is_met else _region(own, (line, band), other, _bodies(graph, other.id, size))
-        conflict, over = known.get(other.id), 0.0 if found is None else max(-found.own.start, 0.0)
-        if conflict is not None:
+        over = 0.0 if found is None else max(-found.own.start, 0.0)
+        on_map = [conflict for conflict in known if conflict.other.id == other.id]
+        for conflict in on_map:
             yield conflict._replace(region=_longer(conflict.region, size.length, found), reaches_over=over)
-        elif found is not None:
+        if found is not None and not on_map:
             yield Conflict(_behind_line(found), other, must_yield=False, is_yielded_to=False, reaches_over=over)
 
 

@@ -38,6 +38,9 @@ LONG_REACH_M = 5.0
 REGION_STEP_M = 0.25
 """Spacing of the points of a region's outline that are projected on the paths."""
 
+BETWEEN_M = 9.0
+"""Where ways meet twice, and on each of them so much lies between, a car of 5 m can stand clear of both places, 2 m each."""
+
 TAIL_REACH_M = 20.0
 """How far a lane behind a junction is looked at for a part that lies inside the junction's outline."""
 
@@ -196,9 +199,11 @@ def _regions_of(i: int, junction: Junction, lines: Any, sweeps: Any) -> tuple[Co
         kind = conflict_kind(own, other)
         if j == i or not _meet(own, other, kind, areas[j], junction):
             continue
-        overlap = _main_part(overlaps[j], kind, lines[i]) if areas[j] > 0.0 else _touch(own, kind)
-        if not _on_separate_levels(own, other, overlap):
-            found.append(_region(own, other, kind, overlap, (lines[i], lines[j])))
+        parts = _parts(overlaps[j], kind, (lines[i], lines[j])) if areas[j] > 0.0 else [_touch(own, kind)]
+        for number, part in enumerate(parts):
+            if not _on_separate_levels(own, other, part):
+                meets = kind if number == len(parts) - 1 else ConflictKind.CROSSING
+                found.append(_region(own, other, meets, part, (lines[i], lines[j]), number))
     return tuple(sorted(found, key=lambda region: (region.own.start, region.other_id)))
 
 
@@ -230,15 +235,34 @@ def _pass_each_other(own: Polyline, other: Polyline) -> bool:
     return bool(np.cos(np.concatenate(off)).min() > STRAIGHT_COSINE)
 
 
-def _main_part(overlap: Any, kind: ConflictKind, line: Any) -> Any:
-    """Reduce an overlap in several parts to one polygon: the part at the shared start, or the hull of all."""
+def _parts(overlap: Any, kind: ConflictKind, lines: tuple[Any, Any]) -> list[Any]:
+    """Return the areas of an overlap where one vehicle at a time may be, in order along the own one of `lines`.
+
+    Of ways from one lane that is where they part; others may cross twice, and are one area where nobody could stand in
+    between.
+    """
     areas = [part for part in shapely.get_parts(overlap) if part.area > 0.0]
-    if len(areas) == 1:
-        return areas[0]
     if kind is ConflictKind.DIVERGING:
-        start = shapely.get_point(line, 0)
-        return min(areas, key=lambda part: float(part.distance(start)))
-    return shapely.convex_hull(shapely.multipolygons(areas))
+        start = shapely.get_point(lines[0], 0)
+        return [min(areas, key=lambda part: float(part.distance(start)))]
+    found: list[Any] = []
+    for area in sorted(areas, key=lambda part: float(_places(lines[0], part).min())):
+        if found and min(_between(line, found[-1], area) for line in lines) < BETWEEN_M:
+            found[-1] = shapely.convex_hull(shapely.geometrycollections([found[-1], area]))
+        else:
+            found.append(area)
+    return found
+
+
+def _between(line: Any, one: Any, other: Any) -> float:
+    """Return how much of a line lies between two areas along it, m; negative where they overlap."""
+    s, t = _places(line, one), _places(line, other)
+    return float(max(t.min() - s.max(), s.min() - t.max()))
+
+
+def _places(line: Any, area: Any) -> Any:
+    """Return the arc lengths on a line of the corners of an area, m."""
+    return shapely.line_locate_point(line, shapely.points(shapely.get_coordinates(area)))
 
 
 def _touch(own: Connection, kind: ConflictKind) -> Any:
@@ -247,10 +271,13 @@ def _touch(own: Connection, kind: ConflictKind) -> Any:
     return shapely.buffer(shapely.points(*own.path.at(s)), 0.5 * SWEPT_WIDTH_M, quad_segs=_ARC_SEGMENTS)
 
 
-def _region(own: Connection, other: Connection, kind: ConflictKind, overlap: Any, lines: tuple[Any, Any]) -> ConflictRegion:
+def _region(
+    own: Connection, other: Connection, kind: ConflictKind, overlap: Any, lines: tuple[Any, Any], number: int
+) -> ConflictRegion:
+    """Return the region of an overlap; `number`: how many the own way shares with the other one before it."""
     outline = shapely.points(shapely.get_coordinates(shapely.segmentize(overlap, REGION_STEP_M)))
     own_stretch = _stretch(lines[0], outline, kind, own.hold_back)
-    region_id = f"{own.id}|{other.id}"
+    region_id = f"{own.id}|{other.id}" + (f"|{number + 1}" if number else "")
     return ConflictRegion(
         id=region_id,
         kind=kind,

@@ -188,3 +188,30 @@ def test_straight_ways_towards_each_other_are_no_conflict_however_narrow_the_roa
     own, other = connection("w_0->e_0", [(0, 0), (4, 0)], 0), connection("e_1->w_1", points, 1)
     found = conflict_regions([own], junction(own, other, foes=foes))["w_0->e_0"]
     assert bool(found) is is_one
+
+
+def loop(gap):
+    """A way that crosses the x axis northwards at x = −3 and comes back southwards, `gap` m farther on."""
+    return connection("s_0->s_1", [(-3, -8), (-3, gap), (-3 + gap, gap), (-3 + gap, -8)], 1)
+
+
+@pytest.mark.parametrize(("gap", "regions"), [(8.0, 1), (11.0, 1), (12.0, 2), (30.0, 2)])
+def test_ways_that_cross_twice_have_two_regions_where_a_car_can_stand_in_between(gap, regions):
+    own = connection("w_0->e_0", [(-20, 0), (40, 0)], 0)
+    found = regions_of(own, loop(gap), foes=[(0, 1)])
+    assert len(found) == len({region.id for region in found}) == regions
+    assert all(region.post.region_id == region.id and region.kind is ConflictKind.CROSSING for region in found)
+    first, last = found[0], found[-1]
+    assert (first.own.start, last.own.end) == pytest.approx((17.0 - HALF, 17.0 + gap + HALF))
+    assert (first.other.start, last.other.end) == pytest.approx((8.0 - HALF, 8.0 + 3.0 * gap + HALF))
+    if regions == 2:
+        assert (first.own.end, last.own.start) == pytest.approx((17.0 + HALF, 17.0 + gap - HALF))
+        assert (first.other.end, last.other.start) == pytest.approx((8.0 + HALF, 8.0 + 3.0 * gap - HALF))
+
+
+def test_ways_that_cross_and_then_merge_cross_in_one_region_and_merge_in_the_other():
+    own = connection("w_0->e_0", [(-20, 0), (40, 0)], 0)
+    other = connection("s_0->e_0", [(-3, -8), (-3, 12), (25, 12), (25, 0), (40, 0)], 1)
+    crossing, merging = regions_of(own, other, foes=[(0, 1)])
+    assert (crossing.kind, merging.kind) == (ConflictKind.CROSSING, ConflictKind.MERGING)
+    assert (crossing.own.end, merging.own.end) == pytest.approx((17.0 + HALF, 60.0))
