@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from kinds import Net, car, cross, driven, edge, link, node, road, sort, stream
+from kinds import Net, car, cross, driven, edge, link, node, road, sort, stop, stream
 
 SQUARE = "".join(node(name, x, y) for name, x, y in (("a", 0, 0), ("b", 60, 0), ("c", 60, 60), ("d", 0, 60)))
 
@@ -221,3 +221,14 @@ def test_a_lane_drawn_forth_and_back_over_itself_is_driven_straight_through(tmp_
     run = driven(tmp_path, net, car("ego", "ab bc", 2), car("y", "ab bc", 5))
     assert run.complaints(slower=1.0) == []
     assert all(moment.lane for moment in run.ego.moments)
+
+
+@pytest.mark.parametrize("at", [55.0, 75.0])
+def test_who_stands_between_two_places_where_his_way_crosses_is_in_none(tmp_path, at):
+    nodes = node("a", -200, 0) + node("b", 200, 0) + node("s", -30, -150) + node("t", 150, -150) + node("c", 0, 0)
+    through = edge("ac", shape="-200,0 -60,0", priority=5) + edge("cb", shape="60,0 200,0", priority=5)
+    around = edge("sc", shape="-30,-150 -30,-30", priority=1) + edge("ct", shape="30,-30 150,-150", priority=1)
+    loop = link("sc ct", shape="-28.4,-30 -28.4,20 -10,40 10,40 28.4,20 28.4,-30")
+    halted = car("x", "sc ct", stops=stop(":c_0_0", at, until=80))
+    net = Net(nodes, through + around, link("ac cb") + loop)
+    assert driven(tmp_path, net, car("ego", "ac cb", 15), halted, until=140).complaints(slower=1.2) == []
