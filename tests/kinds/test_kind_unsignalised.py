@@ -35,6 +35,14 @@ def test_four_cars_at_an_all_way_stop_take_turns(tmp_path, turn):
     assert run.ego.slowest("wc") < 0.1
 
 
+@pytest.mark.parametrize("turn", ["cn", "cw"])
+@pytest.mark.parametrize("until", [12, 15, 18, 70])
+def test_who_has_halted_before_the_junction_is_not_waited_for_nor_met_when_he_leaves(tmp_path, turn, until):
+    halted = car("x", "ec cw", type="bus", stops=stop("ec_0", 75, until=until))
+    run = driven(tmp_path, cross("priority_stop"), car("ego", f"sc {turn}", 3), halted, until=120)
+    assert run.complaints(slower=2.0) == []
+
+
 def test_a_stop_sign_asks_for_a_full_stop_before_the_gap(tmp_path):
     net = cross("priority_stop")
     run = driven(tmp_path, net, car("ego", "sc cn"), stream("e", "ec cw", [2, 12]), stream("w", "wc ce", [3, 4.5, 14]))

@@ -337,7 +337,8 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
         in_vain = standing > p.foe_patience_s and user.waiting_time > 2.0 * p.foe_patience_s
         own = snapshot.time - memory.stopped_since if memory.stopped_at == crossing.connection.id else 0.0
         return user.waiting_time > own and not in_vain
-    waited = min(user.waiting_time, snapshot.time - dict(memory.kept).get(user.id, -math.inf))
+    waits = math.inf if user.is_halted else user.waiting_time  # who has halted waits for nobody
+    waited = min(waits, snapshot.time - dict(memory.kept).get(user.id, -math.inf))
     patience = min(max(2.0 * p.foe_patience_s - waited, p.least_patience_s), p.foe_patience_s)
     return waited <= p.foe_patience_s or standing <= patience
 
