@@ -103,7 +103,9 @@ class Trip:
         start = PlanStart(
             state.pose, state.speed, 0.0, session.time, lane_id, ego.lane_position(graph, lane_id), 0, ego.speed_factor
         )
-        self._driving: Driving = set_out(controller, ego.route, start, _Ways(ego_id, net))
+        self._driving: Driving
+        self._route = ego.route
+        self._go_on(set_out(controller, ego.route, start, _Ways(ego_id, net)))
         self._traffic = self._observe()
         self._step = self._driving.step(self._traffic, session.step_length)  # what it calls is loaded: a step is pure
         self._control_us, self._is_first = 0.0, True
@@ -235,8 +237,8 @@ class Trip:
 
     def _go_on(self, after: Driving) -> None:
         """Set SUMO to another route if the driver has taken one."""
-        if after.route is not self._driving.route:
-            edges = after.route.edges
+        if after.route is not self._route:
+            self._route, edges = after.route, after.route.edges
             self._ego.reroute(after.route)
             self._routes += 1
             self._unmapped = unmapped_lanes(after.graph, edges)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import libsumo
 import pytest
 from kinds import Net, Witness, car, edge, link, node, situation, standing, stream
 
@@ -32,6 +33,18 @@ def test_a_turn_that_nobody_lets_the_ego_reach_is_made_up_for_by_another_way(tmp
     assert list(dict.fromkeys(driven)) == ["ab", "bd", "de", "en", "nx"]
     assert witness.touched == {}
     assert any("the turn to the edge named was missed (bn)" in line for line in story(read_run(tmp_path / "record")))
+
+
+@pytest.mark.parametrize(("left", "way"), [(2, ["ab", "bd", "de", "en", "nx"]), (40, ["ab", "bn", "nx"])])
+def test_a_turn_from_a_lane_that_is_out_of_reach_is_made_up_for_at_once(tmp_path, left, way):
+    ego = car("ego", "ab bn nx", 2, departLane=0, departPos=-left, departSpeed=0)
+    routes, witness = set(), Witness()
+    scenario = situation(tmp_path, AROUND, ego, until=120)
+    result = run_trial(scenario, observer=lambda _: (witness(), routes.add(libsumo.vehicle.getRoute("ego"))))
+    driven = [moment.lane.rpartition("_")[0] for moment in witness.moments if not moment.lane.startswith(":")]
+    assert result.verdict == "arrived without a violation"
+    assert list(dict.fromkeys(driven)) == way
+    assert routes == {tuple(way)}, "SUMO knows the way from the first step on"
 
 
 def test_a_turn_is_not_given_up_while_the_wait_is_short(tmp_path):
