@@ -90,8 +90,8 @@ class PostConflictRegion:
 class ConflictRegion:
     """Where bodies on connection `own_id` and on `other_id` may touch: one vehicle at a time (F&L 1991, §2).
 
-    `own` and `other` are the stretches on each connection's path, arc length from its stop line; `polygon` is the common
-    area, shape (n, 2), m.
+    Ways that cross twice have two, the second one with a number at the end of its `id`. `own` and `other` are the
+    stretches on each connection's path, arc length from its stop line; `polygon` is the common area, shape (n, 2), m.
     """
 
     id: str
