@@ -38,7 +38,7 @@ LONG_REACH_M = 5.0
 REGION_STEP_M = 0.25
 """Spacing of the points of a region's outline that are projected on the paths."""
 
-BETWEEN_M = 9.0
+CROSSED_TWICE_M = 9.0
 """Where ways meet twice, and on each of them so much lies between, a car of 5 m can stand clear of both places, 2 m each."""
 
 TAIL_REACH_M = 20.0
@@ -247,7 +247,7 @@ def _parts(overlap: Any, kind: ConflictKind, lines: tuple[Any, Any]) -> list[Any
         return [min(areas, key=lambda part: float(part.distance(start)))]
     found: list[Any] = []
     for area in sorted(areas, key=lambda part: float(_places(lines[0], part).min())):
-        if found and min(_between(line, found[-1], area) for line in lines) < BETWEEN_M:
+        if found and min(_between(line, found[-1], area) for line in lines) < CROSSED_TWICE_M:
             found[-1] = shapely.convex_hull(shapely.geometrycollections([found[-1], area]))
         else:
             found.append(area)
