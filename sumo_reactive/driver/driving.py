@@ -134,14 +134,14 @@ class Driving(NamedTuple):
             with suppress(PlanError):  # carried onto another lane, from which there is no such change
                 return self._on(self._plan(start, asked.change_lane, aside), time)
         try:
-            return self._on(self._plan(start, aside=aside), time)._with_room(start)
+            return self._on(self._plan(start, aside=aside), time)._with_turn_in_reach(start)
         except PlanError:  # carried past the last place to change lanes
             here, way = self._looked_for_rerouting(start)
             if way is None:
                 raise
             return here._rerouted(way, start)
 
-    def _with_room(self, start: PlanStart) -> Driving:
+    def _with_turn_in_reach(self, start: PlanStart) -> Driving:
         """Return the driving on another way, if there is one, where the car cannot be steered to the lane of its turn."""
         limits = self.controller.limits
         change = next((one for one in self.drive.plan.lane_changes if one.from_lane == start.lane_id), None)
@@ -249,7 +249,7 @@ def set_out(
     nominal = plan(graph, route, limits, start)
     drive = Drive(VehicleState(start.pose, start.speed, start.steering_angle), nominal, 0.0)
     choice = choose_lanes(graph, route, limits.vehicle_class)
-    return Driving(controller, route, choice, drive, start.speed_factor, ways)._with_room(start)
+    return Driving(controller, route, choice, drive, start.speed_factor, ways)._with_turn_in_reach(start)
 
 
 def shortest_change(aside: float, curvature: float) -> float:
