@@ -163,23 +163,28 @@ class Simulation:
         self._session.step()
         after = clock.perf_counter()
         self.ego_steps += len(self._members)
-        self._members = [member for member in self._members if self._is_on_its_way(member)]
+        seen = [member for member in self._members if self._look(member)]  # all, before who has arrived is taken away
+        self._members = [member for member in seen if self._is_on_its_way(member)]
         self.busy_s += clock.perf_counter() - after + before - began
         if self._rule is not None:
             self._choose(self._rule)
             self._doing = f"{len(self._members)} egos on their way, {len(self.results)} have ended"
 
-    def _is_on_its_way(self, member: _Member) -> bool:
-        """Look at what came of a command; return whether the trip goes on."""
-        trip = member.trip
+    def _look(self, member: _Member) -> bool:
+        """Look at what came of a command; return whether the ego is still in the simulation."""
         try:
-            if (scene := trip.scene()) is not None:
+            if (scene := member.trip.scene()) is not None:
                 self._show(member, scene)
         except SimulationError as error:
             if self._rule is None:
                 raise
             self._keep(member, str(error))  # SUMO has taken it off the road: the others drive on
             return False
+        return True
+
+    def _is_on_its_way(self, member: _Member) -> bool:
+        """Take an ego away that has arrived, let go of one whose time is over; return whether the trip goes on."""
+        trip = member.trip
         self._has_left = trip.arrive() or self._has_left
         is_cut_short = member.until is not None and self._session.time >= member.until
         if not (trip.arrived or is_cut_short or trip.stuck):

@@ -223,3 +223,17 @@ def test_runs_of_one_process_have_their_own_parameters():
     varied = [driven(**one) for one in asked]
     assert len({usual, *varied}) == 1 + len(varied)
     assert [driven(**asked[0]), driven()] == [varied[0], usual]
+
+
+def test_an_ego_that_arrives_is_still_there_for_all_who_look_in_that_step(monkeypatch):
+    told = []
+
+    def noted(name):
+        method = getattr(simulation.Trip, name)
+        return lambda trip: (told.append(name), method(trip))[1]
+
+    for name in ("command", "scene", "arrive"):
+        monkeypatch.setattr(simulation.Trip, name, noted(name))
+    run_fleet(scenario("multi_lane_road"), EgoRule(ids=("ego", "left.1")))
+    assert told.count("scene") > 100
+    assert ("arrive", "scene") not in pairwise(told)
