@@ -159,9 +159,10 @@ def _drive(
     show: Callable[[Any, bool], None] = _show_several if rule else _show
     recorder = kept() if kept else None
     observer = _watched(recorder.see if recorder else None, gui_speed)
+    has_window = gui_speed is not None
     compile_first()
-    with progress_shown(quiet) as progress, crashes_told():
-        result: Any = drive(observer=observer, progress=progress, has_window=gui_speed is not None)
+    with progress_shown(quiet) as progress, crashes_told(has_window=has_window):
+        result: Any = drive(observer=observer, progress=progress, has_window=has_window)
     show(result, quiet)
     if recorder:
         with figures_kept(quiet, lambda: show(result, False)):
