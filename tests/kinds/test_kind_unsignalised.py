@@ -203,3 +203,15 @@ def test_a_motorcycle_speeds_up_too_fast_for_a_bus_to_turn_before_it(tmp_path, a
     other = car("m", "wc ce", 7, type="moto", departPos=at, departSpeed=4)
     run = driven(tmp_path, cross(arm=140.0), moto, other, car("ego", "sc cw", type="bus"), until=90)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("waits", [3.5, 3.8, 4.2])
+@pytest.mark.parametrize("depart", [1.0, 3.0])
+def test_who_waits_inside_to_turn_is_passed_within_the_lane_where_others_may_turn_around(tmp_path, waits, depart):
+    """He waits `waits` m behind his line: his front covers what the ego would drive over in the middle of its lane."""
+    nodes = "".join(node(a, 90 * x, 90 * y) for a, (x, y) in ARMS.items()) + node("c", 0, 0, type="priority", radius=1.5)
+    edges = "".join(edge(ends, priority=5 if a in "we" else 1) for a in ARMS for ends in (f"{a}c", f"c{a}"))
+    links = link("wc cn", contPos=waits) + "".join(link(f"wc c{to}") for to in "esw")
+    net = Net(nodes, edges, links, options=())
+    run = driven(tmp_path, net, car("ego", "ec cw", depart), car("x", "wc cn", departSpeed="max"))
+    assert run.complaints(slower=1.05) == []

@@ -27,6 +27,7 @@ from sumo_reactive.driver.world.junction import (
     WAITING_WIDTH_M,
     Connection,
     Junction,
+    Turn,
 )
 from sumo_reactive.driver.world.lane import road_of, separation
 from sumo_reactive.driver.world.lateral_conflict import LateralConflict, beside, lateral_conflicts
@@ -184,9 +185,12 @@ def _waiting(connection: Connection, junction: Junction, graph: RoadGraph) -> It
 
 
 def _driven_at_once(connection: Connection, junction: Junction) -> Iterator[Polyline]:
-    """Yield the ways of those from other roads whom the map calls free beside the ego: nobody there waits for the other."""
+    """Yield the ways of those from other roads whom the map calls free beside the ego: nobody there waits for the other.
+
+    Turning around is not one of them: the map draws it so narrow that it would keep C from moving aside at most junctions.
+    """
     for other in junction.connections:
-        if other.is_crossing or road_of(other.from_lane) == road_of(connection.from_lane):
+        if other.is_crossing or other.turn is Turn.AROUND or road_of(other.from_lane) == road_of(connection.from_lane):
             continue
         if not junction.right_of_way.in_conflict(connection.index, other.index):
             yield other.path
