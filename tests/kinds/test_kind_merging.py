@@ -132,3 +132,17 @@ def test_two_changes_in_a_row_to_a_turn_force_nobody_on_either_lane(tmp_path, le
     turning += stream("q", "ab bs", [1 + 1.8 * i for i in range(10)], departLane=0, type="calm")
     run = driven(tmp_path, net, car("ego", "ab bs", departLane=2, departPos=60), beside + turning)
     assert run.complaints() == []
+
+
+@pytest.mark.parametrize("room", [25, 32, 40])
+@pytest.mark.parametrize("depart", [0, 2, 4, 6])
+def test_a_change_at_once_behind_a_junction_is_met_with_the_way_to_wait_for_a_gap(tmp_path, room, depart):
+    """The road behind is `room` m long, and others come onto its other lane from another side."""
+    nodes = node("w", -150, 0) + node("n", 0, 120) + node("a", 0, 0) + node("b", room, 0)
+    nodes += node("e", room + 150, 0) + node("s", room, -120)
+    edges = edge("wa") + edge("na", priority=1) + edge("ab", numLanes=2) + edge("be") + edge("bs")
+    links = link("wa ab") + link("na ab", "01") + link("ab be", "10") + link("ab bs")
+    beside = stream("n", "na ab be", [2, 4, 6, 8, 12])
+    run = driven(tmp_path, Net(nodes, edges, links), car("ego", "wa ab be", depart), beside, until=90)
+    assert run.complaints(slower=1.7) == []
+    assert run.result.figures["emergencies"] == 0

@@ -19,6 +19,9 @@ from sumo_reactive.driver.nouns.constraint import TimeConstraint
 from sumo_reactive.driver.nouns.state import STANDING_SPEED, VehicleState
 from sumo_reactive.driver.world.route import ScheduledStop
 
+SEEKS_BEFORE_S = 1.0
+"""A gap is sought this long before the ego would have to brake for want of one."""
+
 LATE_LANE_CHANGE_LENGTH_M = 18.0
 """Length of the latest possible change on C: 1.5 times the minimum, for a car that has already slowed down."""
 
@@ -236,6 +239,15 @@ class NominalPlan:
         return change.opens <= front or any(
             other.to_lane == change.from_lane and other.middle <= front < other.end for other in self.lane_changes
         )
+
+    def may_be_sought(self, change: LaneChange, front: float, speed: float, braking: float) -> bool:
+        """Whether a gap for a lane change matters with the front bumper at `front` (m of C): where it may begin, and from
+        where an ego at `speed` (m/s) has just the way to stop with `braking` (m/s²) where it must have begun: on a short
+        road behind a junction it may begin too late for that. A merge before it comes first."""
+        if self.may_begin(change, front):
+            return True
+        left = change.start - front
+        return left < speed * (SEEKS_BEFORE_S + 0.5 * speed / braking) and self.merging(front) is None
 
     def merging(self, front: float) -> ParallelLane | None:
         """Return the lane that the one at arc length `front` (m) has to yield to in the merge that it ends in; None: it ends

@@ -138,16 +138,20 @@ def in_sight(plan: NominalPlan, front: float, speed: float) -> tuple[int, ...]:
     return tuple(found)
 
 
-def lane_sought(graph: RoadGraph, plan: NominalPlan, front: float) -> str:
-    """Return the lane that the ego would enter if it made the next change here, if it may be made already; empty: none.
+def lane_sought(graph: RoadGraph, plan: NominalPlan, limits: VehicleLimits, front: float, speed: float) -> str:
+    """Return the lane that the ego would enter if it made the next change here, if a gap for it matters already at its
+    `speed` (m/s); empty: none.
 
     Where C makes the change on a later road, that is the lane beside its own, which leads to the same place; inside a
-    junction, that on the road behind. Without a change it is the lane that the own one merges into.
+    junction, or where it may not begin yet, that on the road behind. Without a change it is the lane that the own one merges
+    into.
     """
     change = plan.next_change(front) if plan.lane_changes else None
-    if change is None or not plan.may_begin(change, front):
+    if change is None or not plan.may_be_sought(change, front, speed, limits.parameters.comfort_deceleration):
         merge = plan.merging(front)
         return "" if merge is None else merge.to_lane
+    if not plan.may_begin(change, front):
+        return change.to_lane
     ahead = (segment for segment in plan.segments if segment.end > front)
     here = next((segment for segment in ahead if not graph.lanes[segment.lane_id].is_internal), None)
     if here is None or graph.lanes[here.lane_id].edge_id == graph.lanes[change.to_lane].edge_id:
@@ -177,11 +181,9 @@ def lanes_in_sight(
     reach = front + max(ATTENTION_MIN_AHEAD_M, ATTENTION_TIME_S * speed)
     far, behind = max(reach, front + sight), front - ATTENTION_BEHIND_M
     ways = tuple(i for i, one in enumerate(plan.segments) if one.start <= far and one.end >= behind)
-    beside, change = "", plan.next_change(front)
-    if change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
-        beside = lane_sought(graph, plan, front) or change.to_lane
-    elif (merge := plan.merging(front)) is not None:
-        beside = merge.to_lane
+    beside, change = lane_sought(graph, plan, limits, front, speed), plan.next_change(front)
+    if not beside and change is not None and change.opens <= front + ATTENTION_MIN_AHEAD_M:
+        beside = change.to_lane
     cut = next_off_tracking(off_tracking_of(plan, graph, limits), front - limits.front_overhang, front)
     onto = tuple(lane for lane in (beside, cut.lane_id if cut else "") if lane)
     return _lanes_of(plan, graph, limits, (ways, plan.segments[-1].start <= reach, in_sight(plan, front, speed), onto))

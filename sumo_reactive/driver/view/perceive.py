@@ -108,7 +108,7 @@ def perceive(
     front = s + limits.front_overhang
     near, on_path = _related(traffic, course, graph, ego, limits, front)
     sight = in_sight(plan, front, ego.speed)
-    sought = lane_sought(graph, plan, front) if plan.lane_changes or plan.merges else ""
+    sought = lane_sought(graph, plan, limits, front, ego.speed) if plan.lane_changes or plan.merges else ""
     off_tracking = next_off_tracking(course.off_tracking, s, front) if course.off_tracking else None
     if sought and (off_tracking is None or not _comes_first(off_tracking, plan, front)):
         off_tracking = None

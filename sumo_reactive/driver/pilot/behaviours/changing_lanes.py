@@ -41,7 +41,8 @@ def pending_change(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
     change, front = plan.next_change(snapshot.front), snapshot.front
     if change is None or change.start <= snapshot.s or change.start - front > _horizon(snapshot) or _is_made(change, plan):
         return None
-    return change if plan.may_begin(change, front) else None
+    speed, braking = snapshot.ego.speed, snapshot.parameters.comfort_deceleration
+    return change if plan.may_be_sought(change, front, speed, braking) else None
 
 
 def just_begun(snapshot: Snapshot, plan: NominalPlan) -> LaneChange | None:
@@ -237,7 +238,7 @@ def _gained(his: float, own: float, left: float, asks: float, limits: VehicleLim
 
 
 def _has_room(snapshot: Snapshot, plan: NominalPlan, change: LaneChange) -> bool:
-    """Whether the lane goes on beside the other long enough to be left smoothly."""
+    """Whether the lane goes on beside the other long enough to be left smoothly, here and now."""
     here = next((g for g in plan.segments if g.start <= snapshot.front < g.end), None)
     if here is None or here.lane_id.startswith(":"):
         return False
