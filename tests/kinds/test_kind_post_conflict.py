@@ -82,10 +82,10 @@ def test_a_second_full_stop_with_no_room_before_it_is_made_behind_the_first(tmp_
     assert max(run.ego.slowest(lane) for lane in ("wc", "cd")) < 0.1
 
 
-def _line_in_the_way() -> Net:
-    """A crossing whose southern arm is drawn so far that who waits there stands on the main road."""
-    plain = cross()
-    shape = "-5.0,-3.4 -5.0,5.0 5.0,5.0 5.0,-1.6 -1.0,-1.6"
+def _line_in_the_way(kind: str = "priority", line: float = -1.6) -> Net:
+    """A crossing whose southern arm is drawn up to `line` (m north), so that who waits there stands on the main road."""
+    plain = cross(kind)
+    shape = f"-5.0,-3.4 -5.0,5.0 5.0,5.0 5.0,{line} -1.0,{line}"
     return Net(plain.nodes.replace('id="c"', f'id="c" shape="{shape}"'), plain.edges, "", plain.options)
 
 
@@ -93,6 +93,15 @@ def test_who_waits_with_its_nose_in_the_way_goes_first_since_else_both_would_wai
     before = stream("e", "wc ce", [0, 1.8])
     run = driven(tmp_path, _line_in_the_way(), before, car("x", "sc cn", 1.0), car("ego", "wc ce", 4.5), until=120)
     assert run.complaints(slower=1.6) == []
+
+
+@pytest.mark.parametrize("late", [0.0, 0.5, 1.0, 2.5])
+def test_a_red_light_keeps_nobody_off_the_main_road_whose_line_is_drawn_on_it(tmp_path, late):
+    side, main = "GGGrrrGGGrrr", "rrrGGgrrrGGg"
+    light = program("c", (12, main), (3, "rrryyyrrryyy"), (20, side), (3, "yyyrrryyyrrr"))
+    cars = car("x", "sc cn", 2.0 + late), car("ego", "wc ce", 3.0)
+    run = driven(tmp_path, _line_in_the_way("traffic_light", 0.5), *cars, extra=light, until=150)
+    assert run.complaints(slower=4.0) == []
 
 
 ALTERNATELY = (("c", "rrGG", "GGrr"), ("d", "GGrr", "rrGG"))

@@ -330,7 +330,8 @@ def _can_come(foe: Foe, snapshot: Snapshot, memory: PilotMemory, crossing: Cross
     letter, shut_for = letter_of(foe.conflict.other, snapshot), memory.shut_for(foe.conflict.other, snapshot.time)
     braking = user.body.emergency_deceleration, p.yellow_deceleration
     if holds_back(letter, foe.to_stop_line, user.speed, shut_for, *braking):
-        return user.speed >= STANDING_SPEED and _is_swung_over(foe.conflict)  # a light keeps nobody off the way to its line
+        is_before_it = _is_swung_over(foe.conflict) or foe.conflict.region.other.start < -WAIT_INTO_M
+        return user.speed >= STANDING_SPEED and is_before_it  # a light keeps nobody off the way to its line
     if user.speed >= STANDING_SPEED:
         return True
     if crossing.connection.control is Control.ALL_WAY_STOP and foe.to_stop_line >= 0.0:
