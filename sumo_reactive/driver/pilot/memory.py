@@ -129,9 +129,11 @@ class PilotMemory(NamedTuple):
         return self._replace(released=(connection_id, since), lost=lost)
 
     def waited_at(self, connection_id: str, time: float) -> float:
-        """How long the ego has not got on at `time`, first before a junction whose light lets its connection go, s."""
+        """How long the ego has not got on at `time`, first before a junction whose light lets its connection go, s: the reds
+        before that count as well where it has stood through a whole green."""
         released, since = self.released
-        return time - max(since, self.got_on) if released == connection_id else 0.0
+        since = self.got_on if self.lost == connection_id else max(since, self.got_on)
+        return time - since if released == connection_id else 0.0
 
     def standing_for(self, time: float) -> float:
         """How long the ego has been standing at `time`, s."""

@@ -17,6 +17,7 @@ from sumo_reactive.driver.parameters import USUAL
 from sumo_reactive.driver.pilot.memory import PilotMemory
 from sumo_reactive.driver.pilot.passages import view_of
 from sumo_reactive.driver.pilot.rules.highway_code import HIGHWAY_CODE, Rules, ask
+from sumo_reactive.driver.pilot.rules.post_conflict import LACKING_M_S
 from sumo_reactive.driver.pilot.rules.scheduled_stop import still_to_serve
 from sumo_reactive.driver.vehicle.safe_speed import HARD_STOP_MARGIN_M
 from sumo_reactive.driver.view.ahead import passages_ahead
@@ -55,7 +56,7 @@ COMING = STANDING.other("comes", "from_west_0", -60.0, 8.0, WEST_EAST)
 @pytest.mark.parametrize(("users", "patience"), [((QUEUE,), USUAL.foe_patience_s), ((QUEUE, COMING), USUAL.missed_turn_s)])
 def test_a_junction_that_need_not_be_kept_clear_is_kept_clear_for_a_while(users, patience):
     assert turns_at(lambda s: stays(waited(s), *users, keep_clear=False), 0.5, 60.0) == pytest.approx(patience, abs=0.01)
-    assert stays(waited(200.0), *users, keep_clear=True)
+    assert stays(waited(USUAL.queue_patience_s), *users, keep_clear=True)
 
 
 def test_waiting_counts_only_where_the_light_let_the_ego_go_and_while_it_did_not_get_on():
@@ -65,6 +66,26 @@ def test_waiting_counts_only_where_the_light_let_the_ego_go_and_while_it_did_not
     just_green = STANDING.remembering(got_on=since, released=(own, STANDING.time - 1.0))
     for ego in (another, just_came, just_green):
         assert stays(ego, QUEUE, keep_clear=False)
+
+
+def content_after(place: float) -> float:
+    """Return after how long the ego goes although somebody stands `place` m behind the junction, s."""
+    jam = STANDING.other("queue", "to_north_0", place, 0.0, ("to_north",), 20.0)
+    return turns_at(lambda s: stays(waited(s), jam), 50.0, 400.0)
+
+
+def test_who_has_waited_in_vain_for_a_lights_cycle_is_content_with_ever_less_room():
+    full, lacking = content_after(8.0), content_after(7.0)
+    assert full > USUAL.queue_patience_s
+    assert lacking - full == pytest.approx(1.0 / LACKING_M_S, abs=0.05)
+
+
+def test_the_reds_count_as_well_for_who_has_stood_through_a_whole_green():
+    jam = STANDING.other("queue", "to_north_0", 8.0, 0.0, ("to_north",), 20.0)
+    just_green, own = STANDING.time - 1.0, STANDING.connection.id
+    ego = STANDING.remembering(got_on=STANDING.time - content_after(8.0) - 1.0, released=(own, just_green))
+    assert stays(ego, jam)
+    assert not stays(ego.remembering(lost=own), jam)
 
 
 NOSE = STANDING.other("nose", "from_west_0", -1.0, 0.0, WEST_EAST, 5.0)

@@ -23,6 +23,10 @@ _LIGHTS = (Reason.RED_LIGHT, Reason.YELLOW_LIGHT)
 _MADE_THERE = (Reason.SCHEDULED_STOP, Reason.STOP_SIGN)
 """Stops that are made where they are asked for: whoever waited elsewhere for their end would wait for ever."""
 
+LACKING_M_S = 0.1
+"""Who has waited in vain is content with so much less room behind a junction for each further second (SUMO's own drivers
+for each second: `MSVehicle::checkRewindLinkLanes`), lest it wait for ever for room that its green never brings."""
+
 
 def is_clear_at(way: Crossing, limits: VehicleLimits) -> float:
     """Return how far on C (m) the ego's front is when its rear has left every region of a passage where it may not stand."""
@@ -46,7 +50,8 @@ def taken_by(way: Crossing, snapshot: Snapshot, memory: PilotMemory, limits: Veh
         return ""
     if not way.connection.keep_clear and waited > _patience(way, snapshot):
         return ""
-    behind = is_clear_at(way, limits) + limits.standstill_gap
+    lacking = LACKING_M_S * max(waited - p.queue_patience_s, 0.0)
+    behind = is_clear_at(way, limits) + limits.standstill_gap - lacking
     time = travel_time(behind - snapshot.front, snapshot.ego.speed, limits.acceleration_in_plan, way.pace)
     ahead = (o for o in snapshot.on_path if o.start > snapshot.front and o.along > -STANDING_SPEED)
     along = [o for o in ahead if abs(o.across) <= max(o.along, 1.0)]
