@@ -170,8 +170,16 @@ def _held_back(connections: tuple[Connection, ...], lane_of: LaneOf) -> tuple[Co
             others = [c for c in cars if c.from_lane != lane.id]
             paths = [joined([c.path.points, _exit(c, lane_of)]) for c in others]
             room[lane.id], reaching = hold_back(lane.spine, paths)
+            room[lane.id] = max(room[lane.id], *(_lap(c, lane) for c in cars if c.from_lane == lane.id))
             over.update(others[i].id for i in reaching)
     return tuple(_around(c, room.get(c.from_lane, 0.0), lane_of, over=c.id in over) for c in connections)
+
+
+def _lap(connection: Connection, lane: Lane) -> float:
+    """Return how far before the end of its lane a connection leads to, m: some maps let the road behind begin there, and
+    whoever waits nearer to the line than that stands on the way to it, where SUMO has him inside the junction."""
+    s, d = lane.spine.project(*connection.path.points[-1])
+    return lane.spine.length - s if abs(d) < 0.5 * lane.width else 0.0
 
 
 def _around(connection: Connection, room: float, lane_of: LaneOf, *, over: bool) -> Connection:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pytest
 from helpers.witness import Witness
-from kinds import ARMS, Net, car, cross, driven, edge, link, node, program, situation, standing, stream
+from kinds import ARMS, Net, car, cross, driven, edge, link, node, program, road, situation, standing, stream
 
 from sumo_reactive.driver.parameters import Parameters
 from sumo_reactive.lab.simulation import run_trial
@@ -174,3 +176,31 @@ def test_who_turns_left_keeps_clear_of_the_opposite_left_turn_rather_than_of_a_p
     others = stream("left", opposite, [2.5 * i for i in range(25)], departLane=1)
     run = driven(tmp_path, left_lanes(5.0), car("ego", way, 2, departLane=1), others, extra=light, until=120)
     assert run.complaints(slower=1.1) == []
+
+
+@dataclass(frozen=True)
+class _RoadThatLaps(Net):
+    """A road over a light at c, behind which it begins `lap` m before its line, as some maps have it."""
+
+    lap: float = 0.0
+
+    def built(self, folder: Path) -> Path:
+        path = super().built(folder)
+        for lane, shape in (
+            ("ac_0", f"0,-1.6 {CENTRE + self.lap},-1.6"),
+            (":c_0_0", f"{CENTRE + self.lap},-1.6 {CENTRE},-1.6"),
+        ):
+            text, replaced = re.subn(f'(<lane id="{lane}"[^>]* shape=")[^"]*', rf"\g<1>{shape}", path.read_text())
+            assert replaced == 1
+            path.write_text(text)
+        return path
+
+
+@pytest.mark.parametrize("lap", [0.6, 0.9, 1.5])
+@pytest.mark.parametrize("step", [0.1, 0.5])
+def test_who_waits_at_red_stands_before_the_way_on_where_that_begins_before_the_line(tmp_path, lap, step):
+    plain = road(CENTRE, CENTRE)
+    nodes = plain.nodes.replace('id="b"', 'id="c" type="traffic_light"').replace('id="c" x="180', 'id="e" x="180')
+    net = _RoadThatLaps(nodes, edge("ac") + edge("ce"), lap=lap)
+    run = driven(tmp_path, net, car("ego", "ac ce"), extra=program("c", (18, "r"), (40, "G")), step=step)
+    assert run.complaints() == []
