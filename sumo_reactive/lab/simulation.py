@@ -137,6 +137,7 @@ class Simulation:
                 if self._progress is not None:
                     self._progress(self._session.time, self._doing)
         self.ended = self._session.time
+        self._session.orders.carry_out()
         if self._has_left:
             self._session.step()
         if self._scenario.until_end:
@@ -216,7 +217,7 @@ class Simulation:
             except (ScenarioError, NetworkError, PlanError) as error:
                 if is_named:
                     raise
-                give_back(vehicle_id)
+                self._session.orders(give_back, vehicle_id)
                 self.refused.append((vehicle_id, str(error)))
 
     def _keep(self, member: _Member, ended: str) -> None:

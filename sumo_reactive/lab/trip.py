@@ -77,7 +77,8 @@ class Trip:
     def __init__(
         self, session: Session, ego_id: str, net: WorldSource, scenario: Scenario, sensor: Sensor, parts: Parts = PARTS
     ) -> None:
-        self._ego = ego = Ego(ego_id, scenario.parameters, says_arrival=session.says_arrivals)
+        tell = session.orders
+        self._ego = ego = Ego(ego_id, scenario.parameters, says_arrival=session.says_arrivals, tell=tell)
         self._session, self._net = session, net
         self.id, self.limits, self.profile = ego_id, ego.limits, scenario.profile.value
         self.arrived, self.stuck = False, ""
@@ -91,9 +92,10 @@ class Trip:
             graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
         )
         self._observer, self._sensor = EgoObserver(ego_id, sensor, ego.limits), sensor
-        self._stand_ins = tuple(StandIns(ego_id, label) for label in ("", ".besides", ".third"))
+        self._stand_ins = tuple(StandIns(ego_id, label, tell) for label in ("", ".besides", ".third"))
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
-        self._window = RouteWindow(ego_id, ego.route.edges, net.end_of, crossed_before(graph, ego.route.edges))
+        crossed = crossed_before(graph, ego.route.edges)
+        self._window = RouteWindow(ego_id, ego.route.edges, net.end_of, crossed, self._routes, tell)
         state = ego.take_over(session.step_length)
         lane_id = self._mapped = ego.lane(state)
         self._stop_lines = StopLines(sensor.signals)
@@ -243,7 +245,7 @@ class Trip:
             self._routes += 1
             self._unmapped = unmapped_lanes(after.graph, edges)
             crossed = crossed_before(after.graph, edges)
-            self._window = RouteWindow(self.id, edges, self._net.end_of, crossed, self._routes)
+            self._window = RouteWindow(self.id, edges, self._net.end_of, crossed, self._routes, self._session.orders)
         self._driving = after
 
     def _light_crossed(self, step: Step) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import libsumo
 
@@ -17,6 +17,7 @@ from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.driver.world.route import Route, ScheduledStop
 from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.sumo.orders import AT_ONCE, Tell, nothing
 from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.vehicle_type import (
     FREE_EXACT,
@@ -70,24 +71,39 @@ _NUDGE_SPEED = 0.2
 """m/s; announced for one step, with the pose frozen, it ends SUMO's count of waiting time before a teleport."""
 
 
-def give_back(vehicle_id: str) -> None:
-    """Leave a vehicle to SUMO's own driver."""
+def give_back(vehicle_id: str, gap: float | None = None) -> None:
+    """Leave a vehicle to SUMO's own driver, with another `gap` (m) if one is given."""
+    if gap is not None:
+        libsumo.vehicle.setMinGap(vehicle_id, gap)
     libsumo.vehicle.setSpeed(vehicle_id, -1.0)
     libsumo.vehicle.setSpeedMode(vehicle_id, 31)
     libsumo.vehicle.setLaneChangeMode(vehicle_id, 1621)
 
 
+class _Put(NamedTuple):
+    """Where an ego is to be: lane and position (m) that SUMO sorts it in at, one after another; announced speed (m/s); gap
+    (m) and deceleration (m/s²) told of it, None: as before; edge, lane index, x, y (m), SUMO's angle and mode."""
+
+    sorted_in: tuple[tuple[str, float], ...]
+    speed: float
+    gap: float | None
+    deceleration: float | None
+    place: tuple[str, int, float, float, float, int]
+
+
 class Ego:
     """One vehicle of a running simulation, moved from outside.
 
-    `passing`: whom it passes on its lane, while SUMO has it behind him (empty: nobody).
+    `passing`: whom it passes on its lane, while SUMO has it behind him (empty: nobody). SUMO is told of it by `tell`.
     """
 
-    def __init__(self, vehicle_id: str, parameters: Parameters = USUAL, *, says_arrival: bool = True) -> None:
+    def __init__(
+        self, vehicle_id: str, parameters: Parameters = USUAL, *, says_arrival: bool = True, tell: Tell = AT_ONCE
+    ) -> None:
         vehicle_class = libsumo.vehicle.getVehicleClass(vehicle_id)
         if vehicle_class in NOT_ROAD_CARS:
             raise ScenarioError(f"ego '{vehicle_id}' is not a road car: its class is '{vehicle_class}'")
-        self.id = vehicle_id
+        self.id, self._tell = vehicle_id, tell
         self.limits: VehicleLimits = limits_of(vehicle_id, parameters)
         self.departure = float(libsumo.vehicle.getDeparture(vehicle_id))
         self.speed_factor: float = libsumo.vehicle.getSpeedFactor(vehicle_id)
@@ -96,7 +112,7 @@ class Ego:
         self._standing = 0.0
         self._unmapped = self._was_unmapped = False
         self.passing = ""
-        self._let_go: dict[str, str] = {}
+        self._let_go = set[str]()
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
         self._asks, self._asked = False, ""
@@ -107,17 +123,7 @@ class Ego:
 
     def take_over(self, step_length: float) -> VehicleState:
         """Take the wheel at SUMO's exact pose and speed; return that state."""
-        vehicle, name = libsumo.vehicle, self.id
-        vehicle.setSpeedMode(name, 32)
-        vehicle.setLaneChangeMode(name, _NO_CHANGES)
-        vehicle.setActionStepLength(name, step_length, True)
-        while vehicle.getStops(name):
-            if vehicle.isStopped(name):
-                vehicle.resume(name)
-            else:
-                vehicle.replaceStop(name, 0, "")
-        with contextlib.suppress(libsumo.TraCIException):  # no rerouting device
-            vehicle.setParameter(name, "device.rerouting.period", "0")
+        self._tell(_take_over, self.id, step_length)
         return self.observed()
 
     def observed(self) -> VehicleState:
@@ -167,29 +173,21 @@ class Ego:
         if lane is not None and not lane.is_internal:
             self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
-        self._keep_in_order(is_aside=lane is None)
-        self._keep_connected(x, y)
-        self._leave_gap(stands=state.speed < STANDING_SPEED)
-        libsumo.vehicle.setSpeed(self.id, self._announced(state.speed, intent, duration))
-        self._warn_of_braking(-state.acceleration)
+        sorted_in = (*self._in_order(is_aside=lane is None), *self._connected(x, y))
+        gap, braking = self._left_gap(stands=state.speed < STANDING_SPEED), self._expected_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
             edge, index, mode = lane.edge_id, lane.index, FREE_EXACT
         if state.speed <= 0.0 and self._is_on_line():
             x, y = x - _BEFORE_END_M * math.cos(state.pose.heading), y - _BEFORE_END_M * math.sin(state.pose.heading)
-        libsumo.vehicle.moveToXY(self.id, edge, index, x, y, angle_of(state.pose.heading), mode)
+        place = edge, index, x, y, angle_of(state.pose.heading), mode
+        self._tell(_put, self.id, _Put(sorted_in, self._announced(state.speed, intent, duration), gap, braking, place))
 
     def let_go(self, users: tuple[str, ...]) -> None:
         """Let these go first in a junction although they would wait for the standing ego, and nobody else any more."""
-        for user in self._let_go.keys() - set(users):
-            with contextlib.suppress(libsumo.TraCIException):  # he has left
-                libsumo.vehicle.setParameter(user, _IGNORED, self._let_go[user])
-            del self._let_go[user]
-        for user in users:
-            if user not in self._let_go:
-                with contextlib.suppress(libsumo.TraCIException):
-                    self._let_go[user] = before = libsumo.vehicle.getParameter(user, _IGNORED)
-                    libsumo.vehicle.setParameter(user, _IGNORED, f"{before} {self.id}".strip())
+        for user in sorted(self._let_go.symmetric_difference(users)):  # who has left SUMO does not know any more
+            self._tell(_heed if user in self._let_go else _ignore, user, self.id, failed=nothing)
+        self._let_go = set(users)
 
     def _is_on_line(self) -> bool:
         """Whether SUMO has the front on the end of a lane before a junction, to less than the ego may be put amiss."""
@@ -198,9 +196,9 @@ class Ego:
             return False
         return bool(libsumo.vehicle.getLanePosition(self.id) > libsumo.lane.getLength(lane_id) - 2.0 * _BEFORE_END_M)
 
-    def _keep_connected(self, x: float, y: float) -> None:
-        """Have SUMO see the ego on the lane that C leaves by, where it has it on another lane of the edge though the front,
-        to be at (x, y), passes the end.
+    def _connected(self, x: float, y: float) -> tuple[tuple[str, float], ...]:
+        """Return the lane that C leaves by, and a position on it, where SUMO has the ego on another lane of the edge though
+        the front, to be at (x, y), passes the end.
 
         From that other lane SUMO finds no connection to where the ego goes on: it would stop it for a step, for all behind
         it to see. Where others drive on the lane, it is left at that: who sees the ego appear would brake as hard.
@@ -208,18 +206,18 @@ class Ego:
         vehicle, lane = libsumo.vehicle, self._leaves_by
         mapped = vehicle.getLaneID(self.id)
         if lane is None or mapped == lane.id or mapped.rpartition("_")[0] != lane.edge_id:
-            return
+            return ()
         ahead = vehicle.getRoute(self.id)[vehicle.getRouteIndex(self.id) + 1 :][:1]
         if not any(link[0].rpartition("_")[0] in ahead for link in libsumo.lane.getLinks(lane.id)):
-            return  # C is still about to change away from it
+            return ()  # C is still about to change away from it
         is_past = lane.spine.project(x, y)[0] > lane.spine.length - _AT_END_M
         if is_past and all(is_stand_in(one) for one in libsumo.lane.getLastStepVehicleIDs(lane.id)):
-            position = min(vehicle.getLanePosition(self.id), libsumo.lane.getLength(lane.id))
-            vehicle.moveTo(self.id, lane.id, position)
+            return ((lane.id, min(vehicle.getLanePosition(self.id), libsumo.lane.getLength(lane.id))),)
+        return ()
 
-    def _keep_in_order(self, *, is_aside: bool) -> None:
-        """Have SUMO sort the ego in anew where it has passed somebody on its lane, as soon as he need not brake for it; and
-        behind him until then, where SUMO comes to see it on its lane again.
+    def _in_order(self, *, is_aside: bool) -> tuple[tuple[str, float], ...]:
+        """Return by which lane SUMO sorts the ego in anew where it has passed somebody on its lane, as soon as he need not
+        brake for it; and behind him until then, where SUMO comes to see it on its lane again.
 
         SUMO keeps the vehicles of a lane in the order in which they came and does not look whether one that is moved from
         outside has passed another: who has been passed would go on without a leader, and drive into the ego. Only a move
@@ -233,14 +231,14 @@ class Ego:
         self.passing = other if is_next and (is_aside or gap < -self._told_gap) else ""
         has_passed = is_next and gap <= -self.limits.length
         if not is_on_road or not (is_back or has_passed):
-            return
+            return ()
         position, others = vehicle.getLanePosition(self.id), libsumo.lane.getLastStepVehicleIDs(lane_id)
         near = [vehicle.getLanePosition(one) for one in others if self._is_near_behind(one, position)]
         over = self._another_lane() if bool(near) is not has_passed else ""
-        if over:
-            self.passing = ""
-            vehicle.moveTo(self.id, over, 0.0)
-            vehicle.moveTo(self.id, lane_id, max(0.0, min(near) - _BEFORE_END_M) if near else position)
+        if not over:
+            return ()
+        self.passing = ""
+        return (over, 0.0), (lane_id, max(0.0, min(near) - _BEFORE_END_M) if near else position)
 
     def _is_near_behind(self, other: str, position: float) -> bool:
         """Whether somebody on the lane is behind the front of the ego, at `position` (m), and would have to brake for it."""
@@ -262,7 +260,7 @@ class Ego:
         """
         if wants_room != self._asks:
             self._asks = wants_room
-            libsumo.vehicle.setLaneChangeMode(self.id, _ASK_FOR_ROOM if wants_room else _NO_CHANGES)
+            self._tell(_set_lane_change_mode, self.id, _ASK_FOR_ROOM if wants_room else _NO_CHANGES)
 
     def ask(self, user: str) -> None:
         """Ask somebody on the lane beside, and nobody else any more (empty: nobody), to fall back gently behind the ego.
@@ -272,15 +270,16 @@ class Ego:
         """
         if user == self._asked:
             return
-        vehicle, before, self._asked = libsumo.vehicle, self._asked, ""
-        with contextlib.suppress(libsumo.TraCIException):  # he has left
-            if before:
-                vehicle.deactivateGapControl(before)
+        if self._asked:
+            self._tell(_close_gap, self._asked, failed=nothing)  # he may have left
+            self._asked = ""
         with contextlib.suppress(libsumo.TraCIException):
-            if user and vehicle.getSpeedMode(user) & _KEEPS_CLEAR and self._is_before(user):
-                braking = self.limits.parameters.asked_deceleration
-                vehicle.openGap(user, _ASKED_HEADWAY_S, 0.0, _ASKED_FOR_S, _AT_ONCE, braking, self.id)
+            if user and libsumo.vehicle.getSpeedMode(user) & _KEEPS_CLEAR and self._is_before(user):
                 self._asked = user
+                self._tell(_open_gap, user, self.id, self.limits.parameters.asked_deceleration, failed=self._ask_nobody)
+
+    def _ask_nobody(self) -> None:
+        self._asked = ""
 
     def _is_before(self, user: str) -> bool:
         """Whether the way of a user leads past the ego."""
@@ -300,23 +299,26 @@ class Ego:
             return _GO_NEXT_SPEED
         return 0.0 if intent is Intent.YIELD else max(speed, 0.0)
 
-    def _leave_gap(self, *, stands: bool) -> None:
-        """Have SUMO take the gap before a standing ego for large enough to change lanes into: it stands nearer behind others
-        than SUMO's cars do, and one whose lane ends there would wait for it to go as it waits for him."""
+    def _left_gap(self, *, stands: bool) -> float | None:
+        """Return another gap (m) for SUMO to take for large enough to change lanes into before the ego: standing, it is
+        nearer behind others than SUMO's cars are, and one whose lane ends there would wait for it to go as it waits for
+        him."""
         gap = min(self._min_gap, _LEFT_SHARE * self.limits.standstill_gap) if stands else self._min_gap
-        if gap != self._told_gap:
-            self._told_gap = gap
-            libsumo.vehicle.setMinGap(self.id, gap)
+        if gap == self._told_gap:
+            return None
+        self._told_gap = gap
+        return gap
 
-    def _warn_of_braking(self, braking: float) -> None:
-        """Let those behind expect the hardest braking (m/s²) while the ego brakes harder than its type says, and else what
-        they expect of any vehicle of the type: SUMO's cars choose their gaps behind the ego, when they change lanes and
-        enter the road, by the type's, and would brake hard as soon as they find that the ego can do more."""
+    def _expected_braking(self, braking: float) -> float | None:
+        """Return other braking (m/s²) for those behind to expect: the hardest while the ego brakes harder than its type
+        says, and else what they expect of any vehicle of the type: SUMO's cars choose their gaps behind the ego, when they
+        change lanes and enter the road, by the type's, and would brake hard as soon as they find that the ego can do more.
+        """
         hard = braking > self._trusted_deceleration + _BRAKING_TOLERANCE
-        if hard != self._brakes_hard:
-            self._brakes_hard = hard
-            expected = max(self._trusted_deceleration, self.limits.emergency_deceleration if hard else 0.0)
-            libsumo.vehicle.setApparentDecel(self.id, expected)
+        if hard == self._brakes_hard:
+            return None
+        self._brakes_hard = hard
+        return max(self._trusted_deceleration, self.limits.emergency_deceleration if hard else 0.0)
 
     def lane(self, state: VehicleState) -> str:
         """Return the lane that SUMO maps the ego to ('' : none), after checking that it is where it was put."""
@@ -340,19 +342,19 @@ class Ego:
     def _keep_speed(self, state: VehicleState) -> None:
         """Have the others see the ego's speed where SUMO has stopped it for a step: it finds no way on from the end of the
         lane that it has the ego on, though the ego is past it. Whoever follows would brake as for a standing car."""
-        libsumo.vehicle.setPreviousSpeed(self.id, state.speed, state.acceleration)
+        self._tell(_set_previous_speed, self.id, state.speed, state.acceleration)
 
     def reroute(self, route: Route) -> None:
         """Take another route, which begins on the edge that the ego is on, and tell SUMO."""
         self.route = route
-        libsumo.vehicle.setRoute(self.id, route.edges)
+        self._tell(_set_route, self.id, route.edges)
 
     def _restore_route(self, edge_id: str) -> None:
         """Give SUMO the route again, from `edge_id` on, if telling it the lane has replaced it."""
         edges = self.route.edges
         left = tuple(libsumo.vehicle.getRoute(self.id))[max(0, libsumo.vehicle.getRouteIndex(self.id)) :]
         if edge_id in edges and left != edges[len(edges) - len(left) :]:
-            libsumo.vehicle.setRoute(self.id, edges[edges.index(edge_id) :])
+            self._tell(_set_route, self.id, edges[edges.index(edge_id) :])
 
     def lane_position(self, graph: RoadGraph, lane_id: str) -> float:
         """Return the front's arc length on the spine of its lane, m."""
@@ -365,13 +367,12 @@ class Ego:
     def arrive(self) -> None:
         """Take the ego off the road as arrived, so that SUMO's outputs hold its trip."""
         self.let_go(())
-        libsumo.vehicle.remove(self.id, _REMOVE_ARRIVED)
+        self._tell(_remove, self.id)
 
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
         self.let_go(())
-        self._leave_gap(stands=False)
-        give_back(self.id)
+        self._tell(give_back, self.id, self._left_gap(stands=False))
 
     def _refuse_oncoming_side(self) -> None:
         lane_id = libsumo.vehicle.getLaneID(self.id)
@@ -398,3 +399,63 @@ def _stop(data: Any) -> ScheduledStop:
     """Turn SUMO's stop data into a scheduled stop; a stop without duration or end lasts no time."""
     until = float(data.until)
     return ScheduledStop(data.lane, float(data.endPos), max(float(data.duration), 0.0), until if until > 0.0 else None)
+
+
+def _take_over(vehicle_id: str, step_length: float) -> None:
+    vehicle = libsumo.vehicle
+    vehicle.setSpeedMode(vehicle_id, 32)
+    vehicle.setLaneChangeMode(vehicle_id, _NO_CHANGES)
+    vehicle.setActionStepLength(vehicle_id, step_length, True)
+    while vehicle.getStops(vehicle_id):
+        if vehicle.isStopped(vehicle_id):
+            vehicle.resume(vehicle_id)
+        else:
+            vehicle.replaceStop(vehicle_id, 0, "")
+    with contextlib.suppress(libsumo.TraCIException):  # no rerouting device
+        vehicle.setParameter(vehicle_id, "device.rerouting.period", "0")
+
+
+def _put(vehicle_id: str, put: _Put) -> None:
+    vehicle = libsumo.vehicle
+    for lane_id, position in put.sorted_in:
+        vehicle.moveTo(vehicle_id, lane_id, position)
+    if put.gap is not None:
+        vehicle.setMinGap(vehicle_id, put.gap)
+    vehicle.setSpeed(vehicle_id, put.speed)
+    if put.deceleration is not None:
+        vehicle.setApparentDecel(vehicle_id, put.deceleration)
+    vehicle.moveToXY(vehicle_id, *put.place)
+
+
+def _ignore(user: str, ego_id: str) -> None:
+    ignored = libsumo.vehicle.getParameter(user, _IGNORED)
+    libsumo.vehicle.setParameter(user, _IGNORED, f"{ignored} {ego_id}".strip())
+
+
+def _heed(user: str, ego_id: str) -> None:
+    ignored = libsumo.vehicle.getParameter(user, _IGNORED).split()
+    libsumo.vehicle.setParameter(user, _IGNORED, " ".join(one for one in ignored if one != ego_id))
+
+
+def _set_lane_change_mode(vehicle_id: str, mode: int) -> None:
+    libsumo.vehicle.setLaneChangeMode(vehicle_id, mode)
+
+
+def _open_gap(user: str, ego_id: str, braking: float) -> None:
+    libsumo.vehicle.openGap(user, _ASKED_HEADWAY_S, 0.0, _ASKED_FOR_S, _AT_ONCE, braking, ego_id)
+
+
+def _close_gap(user: str) -> None:
+    libsumo.vehicle.deactivateGapControl(user)
+
+
+def _set_previous_speed(vehicle_id: str, speed: float, acceleration: float) -> None:
+    libsumo.vehicle.setPreviousSpeed(vehicle_id, speed, acceleration)
+
+
+def _set_route(vehicle_id: str, edges: tuple[str, ...]) -> None:
+    libsumo.vehicle.setRoute(vehicle_id, edges)
+
+
+def _remove(vehicle_id: str) -> None:
+    libsumo.vehicle.remove(vehicle_id, _REMOVE_ARRIVED)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
@@ -11,6 +10,7 @@ import shapely
 
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
+from sumo_reactive.sumo.orders import AT_ONCE, Tell
 
 
 def unmapped_lanes(graph: RoadGraph, edges: Sequence[str]) -> frozenset[str]:
@@ -82,13 +82,14 @@ class RouteWindow:
     so it gets to know only the present one.
 
     A place is an edge, a junction, or where an edge crosses an earlier one (`crossed`, as `crossed_before` returns it).
-    `number`: which route of the ego's this is, for SUMO keeps the names of all.
+    `number`: which route of the ego's this is, for SUMO keeps the names of all. SUMO is told by `tell`.
     """
 
     def __init__(
-        self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str], crossed: Sequence[int], number: int = 1
-    ) -> None:
-        self._ego_id, self._edges, self._number, self._crossed = ego_id, edges, number, crossed
+        self, ego_id: str, edges: tuple[str, ...], end_of: Callable[[str], str], crossed: Sequence[int], number: int = 1,
+        tell: Tell = AT_ONCE,
+    ) -> None:  # fmt: skip
+        self._ego_id, self._edges, self._number, self._crossed, self._tell = ego_id, edges, number, crossed, tell
         self._ends = tuple(end_of(edge) for edge in edges)
         occurs_twice = len(set(edges)) < len(edges) or len(set(self._ends)) < len(self._ends)
         self._needed = occurs_twice or any(index >= 0 for index in crossed)
@@ -108,14 +109,24 @@ class RouteWindow:
             last += 1
         name = f"reactive.route.{self._ego_id}.{self._number}.{index}"
         if name not in self._added:
-            libsumo.route.add(name, self._edges[index:last])
+            self._tell(_add_route, name, self._edges[index:last])
             self._added.add(name)
-        with contextlib.suppress(libsumo.TraCIException):
-            libsumo.vehicle.setRouteID(self._ego_id, name)
-            self._index = index
+        self._index = index
+        self._tell(_set_route, self._ego_id, name, failed=self._is_refused)
+
+    def _is_refused(self) -> None:
+        self._index = -1
 
     def _returns(self, first: int, last: int) -> bool:
         """Whether edge `last`, its end or a place on it has been passed since edge `first`."""
         earlier = slice(first, last)
         is_twice = self._edges[last] in self._edges[earlier] or self._ends[last] in self._ends[earlier]
         return is_twice or self._crossed[last] >= first
+
+
+def _add_route(name: str, edges: tuple[str, ...]) -> None:
+    libsumo.route.add(name, edges)
+
+
+def _set_route(vehicle_id: str, name: str) -> None:
+    libsumo.vehicle.setRouteID(vehicle_id, name)

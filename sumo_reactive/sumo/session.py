@@ -18,6 +18,7 @@ from typing import IO
 import libsumo
 
 from sumo_reactive.errors import ScenarioError, SimulationError, WindowClosedError
+from sumo_reactive.sumo.orders import Orders
 from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 from sumo_reactive.sumo.waking import threads_here, woken
@@ -35,13 +36,13 @@ class Session:
     """Context manager around libsumo; what SUMO says of an error becomes a SimulationError with SUMO's own words.
 
     With a window, closing it ends the simulation with a WindowClosedError. `says_arrivals`: a trip may say where on its last
-    edge it ends.
+    edge it ends. What `orders` keep is carried out before the next step.
     """
 
     def __init__(self, arguments: Sequence[str], *, has_window: bool = False, says_arrivals: bool = True) -> None:
         self._arguments, self._has_window, self.says_arrivals = arguments, has_window, says_arrivals
         self._window_threads = frozenset[int]()
-        self._loaded = False
+        self._loaded, self.orders = False, Orders()
 
     def __enter__(self) -> Session:
         with tempfile.TemporaryFile() as heard, _program(self._has_window) as program:
@@ -102,6 +103,7 @@ class Session:
 
     def step(self) -> None:
         """Simulate one step."""
+        self.orders.carry_out()
         libsumo.simulationStep()
 
     def is_over(self) -> bool:

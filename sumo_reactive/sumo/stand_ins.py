@@ -3,7 +3,6 @@ not map it to."""
 
 from __future__ import annotations
 
-import contextlib
 import math
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of
 from sumo_reactive.driver.world.lane import Lane
 from sumo_reactive.driver.world.road_graph import RoadGraph
+from sumo_reactive.sumo.orders import AT_ONCE, Tell, nothing
 from sumo_reactive.sumo.vehicle_type import KEEP_ROUTE_EXACT, angle_of, front_of
 
 OFF_TRACKING_SEEN_S = 2.0
@@ -282,17 +282,16 @@ def is_stand_in(vehicle_id: str) -> bool:
 class StandIns:
     """At most one stand-in of the ego, created when it is needed and removed when it is not; `label` tells it from others.
 
-    `made`: how many have been created.
+    `made`: how many have been created. SUMO is told of it by `tell`.
     """
 
-    def __init__(self, ego_id: str, label: str = "") -> None:
+    def __init__(self, ego_id: str, label: str = "", tell: Tell = AT_ONCE) -> None:
         self.made = 0
-        self._ego_id = ego_id
+        self._ego_id, self._tell = ego_id, tell
         self._name = f"{PREFIX}{ego_id}{label}"
         self._type = f"{PREFIX}type.{ego_id}{label}"
         self._present = ""
         self._edges: tuple[str, ...] = ()
-        self._length = self._min_gap = self._first_gap = 0.0
 
     def show(self, place: OccupiedLane | None) -> None:
         """Put it where it has to be, or remove it where it need not be (None)."""
@@ -300,7 +299,7 @@ class StandIns:
             self.hide()
             return
         lane, x, y, speed, edges, waits, ways, is_early, fixed = place
-        s = min(lane.spine.project(x, y)[0], lane.spine.length - _BEFORE_END_M)
+        s, new = min(lane.spine.project(x, y)[0], lane.spine.length - _BEFORE_END_M), None
         if self._present and not lane.is_internal and lane.edge_id not in self._edges:
             self.hide()
         if not self._present:
@@ -313,37 +312,23 @@ class StandIns:
                 return
             if any(self._is_driven(way) for way in ways):
                 return
-            self._edges = edges
-        try:
-            if not self._present:
-                self._create(lane, s / lane.scale, speed, edges)
-            self._show_length(fixed)
-            self._leave_gap()
-            libsumo.vehicle.setSpeed(self._present, speed)
-            angle = angle_of(lane.spine.heading_at(s))
-            libsumo.vehicle.moveToXY(self._present, "", -1, *lane.spine.at(s), angle, KEEP_ROUTE_EXACT)
-        except libsumo.TraCIException:  # taken off the road: the next step makes another; or its class may not be there
-            self._present = ""
-
-    def _show_length(self, fixed: float) -> None:
-        """Have it as long as it has to be (m; 0: as the ego), which the type is that each is made of."""
-        if fixed != self._length:
-            self._length = fixed
-            libsumo.vehicle.setLength(self._present, fixed or libsumo.vehicle.getLength(self._ego_id))
-
-    def _leave_gap(self) -> None:
-        """Have it leave as much before it to those who change lanes as the ego does."""
-        gap = libsumo.vehicle.getMinGap(self._ego_id)
-        if gap != self._min_gap:
-            self._min_gap = gap
-            libsumo.vehicle.setMinGap(self._present, gap)
+            self.made += 1
+            self._present, self._edges = f"{self._name}.{self.made}", edges
+            starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
+            where = (str(lane.index), str(round(s / lane.scale, 2))) if starts_there else ("best", "0.0")
+            new = _New(self._type, self.made == 1, edges, where, str(round(speed, 2)))
+        at = (*lane.spine.at(s), angle_of(lane.spine.heading_at(s)))
+        self._tell(_put, self._present, self._ego_id, new, fixed, speed, at, failed=self._is_gone)
 
     def hide(self) -> None:
         """Remove the stand-in, if there is one."""
         if self._present:
-            with contextlib.suppress(libsumo.TraCIException):  # SUMO has already taken it off the road
-                libsumo.vehicle.remove(self._present, _VAPORIZED)
+            self._tell(_remove, self._present, failed=nothing)  # SUMO may have taken it off the road already
             self._present = ""
+
+    def _is_gone(self) -> None:
+        """It has been taken off the road: the next step makes another; or its class may not be there."""
+        self._present = ""
 
     def _is_driven(self, lane_id: str, end: float = math.inf) -> bool:
         """Whether somebody else than the ego moves on a lane before `end`, m on it, and on one before a junction is too near
@@ -356,29 +341,55 @@ class StandIns:
                 return True
         return False
 
-    def _create(self, lane: Lane, position: float, speed: float, edges: tuple[str, ...]) -> None:
-        if not self.made:
-            self._make_type()
-        self.made += 1
-        self._present, self._length, self._min_gap = f"{self._name}.{self.made}", 0.0, self._first_gap
-        libsumo.route.add(self._present, edges)
-        starts_there = lane.edge_id == edges[0]  # from an internal lane it is moved there at once
-        index, at = (str(lane.index), round(position, 2)) if starts_there else ("best", 0.0)
-        libsumo.vehicle.add(
-            self._present, self._present, self._type, depart="now", departLane=index,
-            departPos=str(at), departSpeed=str(round(speed, 2)),
-        )  # fmt: skip
-        libsumo.vehicle.setSpeedMode(self._present, 32)
-        libsumo.vehicle.setLaneChangeMode(self._present, 0)
 
-    def _make_type(self) -> None:
-        self._first_gap = libsumo.vehicle.getMinGap(self._ego_id)
-        libsumo.vehicletype.copy(libsumo.vehicle.getTypeID(self._ego_id), self._type)
-        libsumo.vehicletype.setMaxSpeed(self._type, _NO_LIMIT)  # SUMO inserts no vehicle above its own limit
-        libsumo.vehicletype.setSpeedDeviation(self._type, 0.0)  # SUMO would draw for ever for a factor within its bounds
-        libsumo.vehicletype.setSpeedFactor(self._type, _SPEED_FACTOR)
-        for device in _SILENT_DEVICES:
-            libsumo.vehicletype.setParameter(self._type, f"has.{device}.device", "false")
+class _New(NamedTuple):
+    """How a stand-in is made: its type, whether that is new; its edges; lane and position, speed, as SUMO's texts."""
+
+    type_id: str
+    is_first: bool
+    edges: tuple[str, ...]
+    where: tuple[str, str]
+    speed: str
+
+
+def _put(name: str, ego_id: str, new: _New | None, length: float, speed: float, at: tuple[float, float, float]) -> None:
+    """Put a stand-in, made before if it is `new`, `at` x, y (m) and SUMO's angle; it is as long as told (m; 0: as the ego),
+    and leaves as much before it to those who change lanes as the ego does."""
+    vehicle = libsumo.vehicle
+    if new is not None:
+        _make(name, ego_id, new)
+    if (length := length or vehicle.getLength(ego_id)) != vehicle.getLength(name):
+        vehicle.setLength(name, length)
+    if (gap := vehicle.getMinGap(ego_id)) != vehicle.getMinGap(name):
+        vehicle.setMinGap(name, gap)
+    vehicle.setSpeed(name, speed)
+    vehicle.moveToXY(name, "", -1, *at, KEEP_ROUTE_EXACT)
+
+
+def _make(name: str, ego_id: str, new: _New) -> None:
+    if new.is_first:
+        _make_type(new.type_id, ego_id)
+    libsumo.route.add(name, new.edges)
+    index, position = new.where
+    libsumo.vehicle.add(
+        name, name, new.type_id, depart="now", departLane=index, departPos=position, departSpeed=new.speed
+    )
+    libsumo.vehicle.setSpeedMode(name, 32)
+    libsumo.vehicle.setLaneChangeMode(name, 0)
+
+
+def _make_type(type_id: str, ego_id: str) -> None:
+    kinds = libsumo.vehicletype
+    kinds.copy(libsumo.vehicle.getTypeID(ego_id), type_id)
+    kinds.setMaxSpeed(type_id, _NO_LIMIT)  # SUMO inserts no vehicle above its own limit
+    kinds.setSpeedDeviation(type_id, 0.0)  # SUMO would draw for ever for a factor within its bounds
+    kinds.setSpeedFactor(type_id, _SPEED_FACTOR)
+    for device in _SILENT_DEVICES:
+        kinds.setParameter(type_id, f"has.{device}.device", "false")
+
+
+def _remove(name: str) -> None:
+    libsumo.vehicle.remove(name, _VAPORIZED)
 
 
 def _is_taken(lane: Lane, position: float, length: float) -> bool:

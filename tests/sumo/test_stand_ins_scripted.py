@@ -28,7 +28,7 @@ def scripted(monkeypatch, there=(), **vehicle):
         monkeypatch,
         vehicle=Domain(
             getMinGap=2.5,
-            getLength=lambda name: {"ego": 5.0, **{one: size for one, (_, size) in others.items()}}[name],
+            getLength=lambda name: {one: size for one, (_, size) in others.items()}.get(name, 5.0),
             getLanePosition=lambda name: others[name][0], getTypeID={"ego": "car"}, **vehicle,
         ),
         vehicletype=Domain(), route=Domain(), lane=Domain(getLastStepVehicleIDs={"w_0": tuple(others)}),
