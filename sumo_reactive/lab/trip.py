@@ -27,6 +27,7 @@ from sumo_reactive.driver.path.planner import PlanStart
 from sumo_reactive.driver.pilot.rules.lights import has_passed, letter_of
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.lab.scenario import Scenario
+from sumo_reactive.sumo.asking import Asking
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.lying_over import lane_lain_over, lane_turned_over
 from sumo_reactive.sumo.net_reader import WorldSource
@@ -91,7 +92,7 @@ class Trip:
         controller = Controller(
             graph=graph, limits=ego.limits, profile=scenario.profile, delays=scenario.delays, parts=parts
         )
-        self._observer, self._sensor = EgoObserver(ego_id, sensor, ego.limits), sensor
+        self._observer = EgoObserver(ego_id, sensor, ego.limits)
         self._stand_ins = tuple(StandIns(ego_id, label, tell) for label in ("", ".besides", ".third"))
         self._unmapped = unmapped_lanes(graph, ego.route.edges)
         crossed = crossed_before(graph, ego.route.edges)
@@ -99,6 +100,7 @@ class Trip:
         state = ego.take_over(session.step_length)
         lane_id = self._mapped = ego.lane(state)
         self._stop_lines = StopLines(sensor.signals)
+        self._asking = Asking(ego_id, scenario.parameters.asked_deceleration, tell)
         self._stop_lines.crossed(lane_id)
         self._bystanders = Bystanders(ego_id)
         state = ego.laid_along(graph.lanes[lane_id], state)
@@ -150,7 +152,7 @@ class Trip:
     def release(self) -> None:
         """Give the ego back to SUMO's own driver."""
         self._show(None, None, None)
-        self._ask("")
+        self._asking.ask("")
         self._ego.release()
 
     def arrive(self) -> bool:
@@ -163,7 +165,7 @@ class Trip:
         if self.arrived:
             self.distance += max(left, 0.0)  # the way counts to the goal, as SUMO's does
             self._show(None, None, None)
-            self._ask("")
+            self._asking.ask("")
             self._bystanders.leave()
             self._ego.arrive()
         return self.arrived
@@ -208,13 +210,8 @@ class Trip:
         self._ego.let_go(step.completed.let_go)
         decisions = step.completed.decisions
         self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in decisions))
-        self._ask(next((one.cause for one in decisions if one.reason is Reason.ASKS), ""))
+        self._asking.ask(next((one.cause for one in decisions if one.reason is Reason.ASKS), ""))
         self._show(*self._occupied(step, here))
-
-    def _ask(self, user: str) -> None:
-        """Ask somebody to let the ego in, and nobody else any more."""
-        self._ego.ask(user)
-        self._sensor.ask(self.id, user)
 
     def _occupied(self, step: Step, here: LaneSegment) -> tuple[OccupiedLane | None, ...]:
         """Return where to show the ego besides, at two places at most, or three in a turn, and then whom it passes."""

@@ -42,12 +42,6 @@ _NO_CHANGES = 0
 _ASK_FOR_ROOM = 513
 """SUMO's mode of lane changing: it wants the changes that the route needs, and respects the others' gaps."""
 
-_ASKED_HEADWAY_S, _ASKED_FOR_S, _AT_ONCE = 3.0, 5.0, 10.0
-"""Who is asked to let the ego in opens such a gap, and keeps it so long (s); the rate (1/s) with which he turns to it."""
-
-_KEEPS_CLEAR = 1
-"""Bit of SUMO's mode of speed: it drives so that it can stop behind who is ahead."""
-
 _BRAKING_TOLERANCE = 0.1
 """m/s²; the ego brakes harder than its type says if it does by more than this."""
 
@@ -115,7 +109,7 @@ class Ego:
         self._let_go = set[str]()
         self._trusted_deceleration = float(libsumo.vehicle.getApparentDecel(vehicle_id))
         self._brakes_hard = False
-        self._asks, self._asked = False, ""
+        self._asks = False
         self._leaves_by: Lane | None = None
         self._min_gap = float(libsumo.vehicle.getMinGap(vehicle_id))
         self._told_gap = self._min_gap
@@ -261,31 +255,6 @@ class Ego:
         if wants_room != self._asks:
             self._asks = wants_room
             self._tell(_set_lane_change_mode, self.id, _ASK_FOR_ROOM if wants_room else _NO_CHANGES)
-
-    def ask(self, user: str) -> None:
-        """Ask somebody on the lane beside, and nobody else any more (empty: nobody), to fall back gently behind the ego.
-
-        SUMO's cars let each other in, but nobody that is moved from outside. Who is so himself, or does not come by the
-        ego's road, is not asked.
-        """
-        if user == self._asked:
-            return
-        if self._asked:
-            self._tell(_close_gap, self._asked, failed=nothing)  # he may have left
-            self._asked = ""
-        with contextlib.suppress(libsumo.TraCIException):
-            if user and libsumo.vehicle.getSpeedMode(user) & _KEEPS_CLEAR and self._is_before(user):
-                self._asked = user
-                self._tell(_open_gap, user, self.id, self.limits.parameters.asked_deceleration, failed=self._ask_nobody)
-
-    def _ask_nobody(self) -> None:
-        self._asked = ""
-
-    def _is_before(self, user: str) -> bool:
-        """Whether the way of a user leads past the ego."""
-        vehicle = libsumo.vehicle
-        edge, position = vehicle.getRoadID(self.id), vehicle.getLanePosition(self.id)
-        return bool(edge) and bool(vehicle.getDrivingDistance(user, edge, position) >= 0.0)
 
     def _announced(self, speed: float, intent: Intent, duration: float) -> float:
         if speed >= STANDING_SPEED:
@@ -439,14 +408,6 @@ def _heed(user: str, ego_id: str) -> None:
 
 def _set_lane_change_mode(vehicle_id: str, mode: int) -> None:
     libsumo.vehicle.setLaneChangeMode(vehicle_id, mode)
-
-
-def _open_gap(user: str, ego_id: str, braking: float) -> None:
-    libsumo.vehicle.openGap(user, _ASKED_HEADWAY_S, 0.0, _ASKED_FOR_S, _AT_ONCE, braking, ego_id)
-
-
-def _close_gap(user: str) -> None:
-    libsumo.vehicle.deactivateGapControl(user)
 
 
 def _set_previous_speed(vehicle_id: str, speed: float, acceleration: float) -> None:

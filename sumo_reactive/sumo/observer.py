@@ -54,7 +54,7 @@ class EgoObserver:
         beside = tuple(user for crossing in self._crossings for user in sensor.about_to_cross(crossing))
         return Traffic(
             time=now, users=users, lights=lights, sight=sight, static=static.points, beside=beside, switches=switches,
-            yellow_until=sensor.yellow_until(lights), asker=sensor.asker_of(self._ego_id), as_packed=boxes,
+            yellow_until=sensor.yellow_until(lights), asker=sensor.asker_of(self._ego_id, self._lanes), as_packed=boxes,
         )  # fmt: skip
 
     def _look(self, graph: RoadGraph, plan: NominalPlan, front: float, speed: float, sight: float) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,6 +11,7 @@ import libsumo
 
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import BOX_BYTES, Body, RoadUser, packed_boxes
+from sumo_reactive.sumo.asking import askers_of
 from sumo_reactive.sumo.config import OBSTACLE_POLYGONS
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.stand_ins import is_stand_in
@@ -19,9 +20,6 @@ from sumo_reactive.sumo.vehicle_type import heading_of, size_of_body
 
 FIXED_PROGRAM = 0
 """SUMO's type of a light whose phases last as long as the program says."""
-
-ROUTE_REFRESH_S = 3.0
-"""Another vehicle's route is read anew after this long, for it may have been re-routed."""
 
 PERSON_DECELERATION = 5.0
 """m/s²; a pedestrian stops within a step."""
@@ -121,10 +119,10 @@ class SeenCrossing(NamedTuple):
 
 
 class _Known(NamedTuple):
-    """What is kept of a vehicle: its body, and its route as read on edge `edge_id`, to be read anew at time `until` (s)."""
+    """What is kept of a vehicle: its body, and what is left of the route `route_id` on edge `edge_id`."""
 
     body: Body
-    until: float
+    route_id: str
     edge_id: str
     route: tuple[str, ...]
 
@@ -132,7 +130,7 @@ class _Known(NamedTuple):
 class Sensor:
     """Reads SUMO through plain getters, and keeps what does not change from step to step.
 
-    What one ego has looked at in a step is not read again for the next one.
+    What one ego has looked at in a step is not read again for the next one; nor does what one sees depend on who has looked.
     """
 
     def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
@@ -145,30 +143,27 @@ class Sensor:
         self._lane_of: dict[str, str] = {}
         self._letters: dict[str, str] = {}
         self._programs: dict[tuple[str, str], tuple[tuple[float, str], ...]] = {}
-        self._asked: dict[str, str] = {}
 
     def look(self) -> float:
         """Begin to look at the present step, unless another ego has; return simulation time, s."""
         now = float(libsumo.simulation.getTime())
         if now != self._now:
+            has_missed = now > self._now + 1.5 * libsumo.simulation.getDeltaT()
             self._now = now
             self._looked_at.clear()
             self._seen.clear()
             self._lane_of.clear()
             self._letters.clear()
-            self.static.update()
+            if has_missed:
+                self.static.look_again()
+            else:
+                self.static.update()
         return now
 
-    def ask(self, asker: str, asked: str) -> None:
-        """Note whom an ego asks to let it in (empty: nobody any more): another ego sees it."""
-        if asked:
-            self._asked[asker] = asked
-        else:
-            self._asked.pop(asker, None)
-
-    def asker_of(self, ego_id: str) -> str:
-        """Return the first of the egos seen in this step that ask this one to let it in (empty: none does)."""
-        return next((asker for asker, asked in self._asked.items() if asked == ego_id and asker in self._lane_of), "")
+    def asker_of(self, ego_id: str, lanes: Container[str]) -> str:
+        """Return the first of the egos on `lanes`, as just looked at, that ask this one to let them in (empty: none)."""
+        asking = askers_of(ego_id)
+        return next((asker for asker in asking if self._lane_of.get(asker, "") in lanes), "") if asking else ""
 
     @cached_property
     def signals(self) -> Signals:
@@ -219,13 +214,14 @@ class Sensor:
     def _read(
         self, names: tuple[str, ...], lane_id: str, edge_id: str, scale: float, internal: bool
     ) -> tuple[RoadUser, ...]:
-        vehicle, known_ones, now, found = libsumo.vehicle, self._known, self._now, list[RoadUser]()
+        vehicle, known_ones, found = libsumo.vehicle, self._known, list[RoadUser]()
         for name in names:
             known = known_ones.get(name)
             if known is None and is_stand_in(name):
                 continue
-            if known is None or known.edge_id != edge_id or now >= known.until:
-                known = self._know(name, known, edge_id, internal)
+            route_id = vehicle.getRouteID(name)
+            if known is None or known.edge_id != edge_id or known.route_id != route_id:
+                known = self._know(name, known, route_id, edge_id, internal)
             body, _, _, route = known
             x, y = vehicle.getPosition(name)
             heading, speed = heading_of(vehicle.getAngle(name)), vehicle.getSpeed(name) * scale
@@ -269,12 +265,11 @@ class Sensor:
         x, y = person.getPosition(name)
         return RoadUser(name, x, y, heading, person.getSpeed(name), lane_id, position, body)
 
-    def _know(self, name: str, known: _Known | None, edge_id: str, internal: bool) -> _Known:
-        """Read what changes seldom: the body once, the edges still to drive on a new edge and every few seconds."""
+    def _know(self, name: str, known: _Known | None, route_id: str, edge_id: str, internal: bool) -> _Known:
+        """Read what changes seldom: the body once, the edges still to drive on a new edge or another route."""
         index = max(libsumo.vehicle.getRouteIndex(name) + (1 if internal else 0), 0)
         route = tuple(libsumo.vehicle.getRoute(name)[index : index + ROUTE_AHEAD])
-        until = self._now + ROUTE_REFRESH_S
-        found = self._known[name] = _Known(known.body if known else _body(name), until, edge_id, route)
+        found = self._known[name] = _Known(known.body if known else _body(name), route_id, edge_id, route)
         return found
 
 

@@ -56,14 +56,20 @@ class StaticObstacles:
     """Reads the polygons once, and keeps account of parked vehicles from step to step."""
 
     def __init__(self, polygon_type: str = OBSTACLE_POLYGONS) -> None:
-        polygon, vehicle = libsumo.polygon, libsumo.vehicle
+        polygon = libsumo.polygon
         names = [name for name in polygon.getIDList() if polygon.getType(name) == polygon_type]
         hulls = {name: hull_of(_finite(name, polygon.getShape(name))) for name in names}
         self.users = tuple(standing(f"polygon:{name}", hull) for name, hull in hulls.items())
         self.outlines = tuple(outline(hull) for hull in hulls.values())
         self.parked: dict[str, _Points] = {}
-        self.changes = 0
-        self._park(name for name in vehicle.getIDList() if vehicle.isStoppedParking(name))
+        self.changes = -1
+        self.look_again()
+
+    def look_again(self) -> None:
+        """Take in who parks; to be asked where steps have been missed."""
+        self.parked.clear()
+        self._park(name for name in libsumo.vehicle.getIDList() if libsumo.vehicle.isStoppedParking(name))
+        self.changes += 1
 
     def update(self) -> None:
         """Take in who has begun or ended parking in the last step; to be asked once after each."""
@@ -113,7 +119,7 @@ class StaticView:
         return self._near
 
     def _points(self, x: float, y: float) -> _Points:
-        parked = (points for name, points in self._obstacles.parked.items() if name != self._ego_id)
+        parked = (points for name, points in sorted(self._obstacles.parked.items()) if name != self._ego_id)
         outlines = (*self._obstacles.outlines, *parked)
         if not outlines:
             return NO_POINTS

@@ -55,7 +55,7 @@ def test_an_ego_that_has_arrived_is_off_the_road_and_counted_as_arrived(tmp_path
         patch.setattr(Session, "step", looking(Session.step))
         patch.setattr(Ego, "arrive", looking(Ego.arrive))
         result = run_trial(asked)
-    assert there[-3:] == [True, False, False]  # after the last step of its own, taken off, after one more step
+    assert there[-3:] == [True, True, False]  # after the last step of its own, told to leave, after one more step
     trip = trip_of(trips, "ego")
     assert trip is not None and trip.arrival is not None
     assert abs(trip.arrival - result.end_s) < 0.25

@@ -11,8 +11,10 @@ from sumo_reactive.driver.nouns.completed_plan import Intent
 from sumo_reactive.driver.nouns.state import VehicleState
 from sumo_reactive.driver.world.route import Route
 from sumo_reactive.errors import ScenarioError, SimulationError
+from sumo_reactive.sumo.asking import Asking
 from sumo_reactive.sumo.ego import Ego
 from sumo_reactive.sumo.net_reader import read_net
+from sumo_reactive.sumo.orders import AT_ONCE
 from sumo_reactive.sumo.outputs import trip_of
 from sumo_reactive.sumo.vehicle_type import front_of, pose_of
 
@@ -355,9 +357,9 @@ def asked_at(tmp_path, asked, *, told=True, mode=31):
     with on_cross(tmp_path, 'departPos="95" departSpeed="5"', before=other, options=how) as (ego, lane):
         ego.take_over(0.1)
         libsumo.vehicle.setSpeedMode("other", mode)
-        x = libsumo.vehicle.getPosition("ego")[0]
+        x, asking = libsumo.vehicle.getPosition("ego")[0], Asking("ego", 2.0, AT_ONCE)
         for k in range(30):
-            ego.ask(asked if told and 10 <= k < 20 else "")
+            asking.ask(asked if told and 10 <= k < 20 else "")
             placed_at(ego, x + 0.5 * (k + 1), speed=5.0, lane=lane)
             speeds.append(libsumo.vehicle.getSpeed("other"))
     return speeds
@@ -381,6 +383,6 @@ def test_who_does_not_come_by_the_egos_road_is_not_asked(tmp_path):
     other = '<vehicle id="other" depart="0" departPos="15" departSpeed="13"><route edges="nc cs"/></vehicle>'
     with on_cross(tmp_path, before=other, options=("--default.speeddev", "0")) as (ego, lane):
         ego.take_over(0.1)
-        ego.ask("other")
+        Asking("ego", 2.0, AT_ONCE).ask("other")
         placed_at(ego, -60.0, speed=0.0, lane=lane)
         assert libsumo.vehicle.getSpeed("other") > 13.0

@@ -48,8 +48,8 @@ class Eyes:
         self.asked.append((*lanes, ego_id))
         return [OnLane(users, packed_boxes(users)) for users in ((user("a"),), (), (user("b"),))]
 
-    def asker_of(self, ego_id):
-        return f"who asks {ego_id}"
+    def asker_of(self, ego_id, lanes):
+        return f"who asks {ego_id} on {', '.join(lanes)}"
 
     def on_crossing(self, crossing):
         yield user(f"on {crossing.lane_id}")
@@ -85,7 +85,7 @@ def test_all_that_matters_is_told_with_the_time_and_without_the_ego_itself(world
     assert (traffic.time, traffic.sight, traffic.lights) == (7.5, 90.0, {"s": "s:G", "t": "t:G"})
     assert traffic.yellow_until == {"s": 9.0, "t": 9.0}
     assert [one.id for one in traffic.users] == ["a", "b", "on :c_c0_0", "stone"]
-    assert [one.id for one in traffic.beside] == ["before :c_c0_0"] and traffic.asker == "who asks ego"
+    assert [one.id for one in traffic.beside] == ["before :c_c0_0"] and traffic.asker == "who asks ego on a_0, :c_0_0"
     assert traffic.static.tolist() == [[50.0, 0.0]]
     assert eyes.asked == ["look", ("a_0", ":c_0_0", "ego")]
     assert world.asked == [(world.graph, world.plan, CAR, 12.0, 8.0, 90.0), (world.plan, 12.0, 8.0)]

@@ -14,7 +14,6 @@ from sumo_reactive.sumo.observed_vehicle import SAME_LEVEL_M, TOUCHING_M, Bystan
 from sumo_reactive.sumo.sensor import (
     PERSON_DECELERATION,
     ROUTE_AHEAD,
-    ROUTE_REFRESH_S,
     STEPPING_ON_M,
     SeenCrossing,
     SeenLane,
@@ -27,7 +26,7 @@ CAR = {
     "getPosition": (10.0, 20.0), "getAngle": 0.0, "getSpeed": 4.0, "getLanePosition": 30.0, "getLength": 5.0,
     "getWidth": 1.75, "getDecel": 4.0, "getEmergencyDecel": 7.0, "getAccel": 3.5, "getMaxSpeed": 40.0, "getRouteIndex": 1,
     "getRoute": ("z", "a", "b", "c"), "getWaitingTime": 6.0, "isStopped": 1, "getAcceleration": -2.0,
-    "getVehicleClass": "passenger",
+    "getVehicleClass": "passenger", "getRouteID": "r",
 }  # fmt: skip
 
 
@@ -42,7 +41,7 @@ def seeing(monkeypatch, on_lanes, on_edges=None, walkers=None, **car):
         edge=Domain(getLastStepPersonIDs=on_edges or {}),
         person=Domain(**(walkers or {})),
         polygon=Domain(getIDList=()),
-        simulation=Domain(getTime=lambda: now.time, **quiet),
+        simulation=Domain(getTime=lambda: now.time, getDeltaT=0.1, **quiet),
         trafficlight=Domain(),
     )
     return Sensor(), now
@@ -112,13 +111,13 @@ def test_lanes_are_told_in_order_and_stand_ins_and_empty_lanes_left_out(monkeypa
     assert [(user.id, user.lane_id) for user in vehicles(sensor, *lanes)] == [("w", "c_0"), ("x", "a_0"), ("y", "a_0")]
 
 
-def test_a_body_is_read_once_a_way_on_a_new_edge_and_after_a_while_and_a_lane_once_a_step(monkeypatch):
-    asked = []
+def test_a_body_is_read_once_a_way_on_a_new_edge_or_another_route_and_a_lane_once_a_step(monkeypatch):
+    asked, route = [], ["r"]
     counting = {
         name: lambda who, name=name, value=CAR[name]: (asked.append(name), value)[1]
         for name in ("getLength", "getRoute", "getPosition")
     }
-    sensor, now = seeing(monkeypatch, {"a_0": ("x",), "b_0": ("x",)}, **counting)
+    sensor, now = seeing(monkeypatch, {"a_0": ("x",), "b_0": ("x",)}, getRouteID=lambda _: route[0], **counting)
 
     def looked(time, lane):
         asked.clear()
@@ -131,10 +130,11 @@ def test_a_body_is_read_once_a_way_on_a_new_edge_and_after_a_while_and_a_lane_on
     assert looked(5.0, LANE) == ["getLength", "getPosition", "getRoute"]
     assert looked(5.0, LANE) == []
     assert looked(5.1, LANE) == ["getPosition"]
-    assert looked(4.9 + ROUTE_REFRESH_S, LANE) == ["getPosition"]
-    assert looked(5.0 + ROUTE_REFRESH_S, LANE) == ["getPosition", "getRoute"]
-    assert looked(5.1 + ROUTE_REFRESH_S, next_lane) == ["getPosition", "getRoute"]
-    assert looked(5.2 + ROUTE_REFRESH_S, next_lane) == ["getPosition"]
+    route[0] = "!r!var#1"
+    assert looked(5.2, LANE) == ["getPosition", "getRoute"]
+    assert looked(5.3, LANE) == ["getPosition"]
+    assert looked(5.4, next_lane) == ["getPosition", "getRoute"]
+    assert looked(5.5, next_lane) == ["getPosition"]
 
 
 def test_each_light_is_read_once_a_step_and_at_all_at_time_zero(monkeypatch):

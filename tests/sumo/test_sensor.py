@@ -11,9 +11,11 @@ from simulations import running, simulated, vehicle
 
 from sumo_reactive.driver.path.planner import PlanStart, plan
 from sumo_reactive.driver.world.route import Route
+from sumo_reactive.sumo.asking import Asking
 from sumo_reactive.sumo.net_reader import read_net
 from sumo_reactive.sumo.observer import EgoObserver
-from sumo_reactive.sumo.sensor import PERSON_DECELERATION, ROUTE_REFRESH_S, STEPPING_ON_M, SeenCrossing, SeenLane, Sensor
+from sumo_reactive.sumo.orders import AT_ONCE
+from sumo_reactive.sumo.sensor import PERSON_DECELERATION, STEPPING_ON_M, SeenCrossing, SeenLane, Sensor
 from sumo_reactive.sumo.vehicle_type import heading_of, pose_of
 
 SIDEWALKS = ("--no-turnarounds", "--sidewalks.guess", "--sidewalks.guess.max-speed", "15", "--crossings.guess")
@@ -109,17 +111,19 @@ def test_who_is_asked_by_another_ego_sees_the_first_that_asks_and_is_there(net, 
     users = vehicle("a", "wc ce", type="t", departPos=40) + vehicle("b", "wc ce", type="t", departPos=20)
     with running(net, tmp_path, TYPE + users):
         simulated(2)
-        sensor = Sensor()
-        for asker, asked in (("gone", "ego"), ("b", "other"), ("a", "ego")):
-            sensor.ask(asker, asked)
-        assert sensor.asker_of("ego") == ""  # nobody has been looked at
+        sensor, asking = Sensor(), {name: Asking(name, 2.0, AT_ONCE) for name in ("gone", "b", "a")}
+        libsumo.vehicle.setSpeedMode("a", 32)  # as an ego
+        for asker in ("gone", "b"):
+            asking[asker].ask("a")
+        assert sensor.asker_of("a", ("wc_1",)) == ""  # nobody has been looked at
         looked(sensor, seen_lane(graph, "wc_1"))
-        assert (sensor.asker_of("ego"), sensor.asker_of("other"), sensor.asker_of("b")) == ("a", "b", "")
-        sensor.ask("a", "")
-        assert sensor.asker_of("ego") == ""
+        seen = [sensor.asker_of(name, (lane,)) for name, lane in (("a", "wc_1"), ("a", "wc_0"), ("b", "wc_1"))]
+        assert seen == ["b", "", ""]
+        asking["b"].ask("")
+        assert sensor.asker_of("a", ("wc_1",)) == ""
 
 
-def test_a_route_that_changes_under_way_is_noticed_after_a_while(net, tmp_path):
+def test_a_route_that_changes_under_way_is_noticed_at_once(net, tmp_path):
     graph = read_net(net).build(("wc", "ce"))
     with running(net, tmp_path, TYPE + vehicle("a", "wc ce", type="t", departPos=0, departSpeed=1, departLane="best")):
         sensor, lane = Sensor(), seen_lane(graph, "wc_1")
@@ -127,9 +131,8 @@ def test_a_route_that_changes_under_way_is_noticed_after_a_while(net, tmp_path):
         assert looked(sensor, lane)["a"].route == ("wc", "ce")
         libsumo.vehicle.setSpeed("a", 1.0)
         libsumo.vehicle.setRoute("a", ("wc", "cn"))
+        assert looked(sensor, lane)["a"].route == ("wc", "ce")  # as looked at before in this step
         simulated()
-        assert looked(sensor, lane)["a"].route == ("wc", "ce")
-        simulated(int(ROUTE_REFRESH_S / 0.1) + 1)
         assert looked(sensor, lane)["a"].route == ("wc", "cn")
 
 
