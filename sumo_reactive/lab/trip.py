@@ -203,10 +203,10 @@ class Trip:
         """Put the ego, and its stand-in when it changes lanes, where the next simulation step shall end."""
         drive = step.drive
         here = segment_at(drive.plan, drive.s + self.limits.front_overhang)
-        self._window.follow(here.route_index)
         lane = self._driving.graph.lanes[here.lane_id] if drive.plan.aside is None else None
         is_unmapped = here.lane_id in self._unmapped
-        self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_unmapped)
+        follow = partial(self._window.follow, here.route_index)
+        self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_unmapped, follow)
         self._ego.let_go(step.completed.let_go)
         decisions = step.completed.decisions
         self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in decisions))

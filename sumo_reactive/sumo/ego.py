@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import libsumo
@@ -75,10 +76,9 @@ def give_back(vehicle_id: str, gap: float | None = None) -> None:
 
 
 class _Put(NamedTuple):
-    """Where an ego is to be: lane and position (m) that SUMO sorts it in at, one after another; announced speed (m/s); gap
-    (m) and deceleration (m/s²) told of it, None: as before; edge, lane index, x, y (m), SUMO's angle and mode."""
+    """Where an ego is to be: announced speed (m/s); gap (m) and deceleration (m/s²) told of it, None: as before; edge, lane
+    index, x, y (m), SUMO's angle and mode."""
 
-    sorted_in: tuple[tuple[str, float], ...]
     speed: float
     gap: float | None
     deceleration: float | None
@@ -153,11 +153,13 @@ class Ego:
         return front < length and float(libsumo.vehicle.getDistance(self.id)) < length
 
     def place(
-        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_unmapped: bool = False
-    ) -> None:
+        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_unmapped: bool = False,
+        follow: Callable[[], None] = nothing,
+    ) -> None:  # fmt: skip
         """Announce the intent and command the state that the next simulation step ends in.
 
         `lane`: where C is there, None while it leads beside its lane; `is_unmapped`: SUMO does not look for the ego on it.
+        `follow` may tell SUMO another route, in whose lanes it then looks for the ego.
 
         SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
         between the same two edges), it is told the lane, until the ego is out of the junction; but not where the front
@@ -167,7 +169,9 @@ class Ego:
         if lane is not None and not lane.is_internal:
             self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
-        sorted_in = (*self._in_order(is_aside=lane is None), *self._connected(x, y))
+        for lane_id, position in (*self._in_order(is_aside=lane is None), *self._connected(x, y)):
+            self._tell(_move_to, self.id, lane_id, position)
+        follow()
         gap, braking = self._left_gap(stands=state.speed < STANDING_SPEED), self._expected_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
         if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
@@ -175,7 +179,7 @@ class Ego:
         if state.speed <= 0.0 and self._is_on_line():
             x, y = x - _BEFORE_END_M * math.cos(state.pose.heading), y - _BEFORE_END_M * math.sin(state.pose.heading)
         place = edge, index, x, y, angle_of(state.pose.heading), mode
-        self._tell(_put, self.id, _Put(sorted_in, self._announced(state.speed, intent, duration), gap, braking, place))
+        self._tell(_put, self.id, _Put(self._announced(state.speed, intent, duration), gap, braking, place))
 
     def let_go(self, users: tuple[str, ...]) -> None:
         """Let these go first in a junction although they would wait for the standing ego, and nobody else any more."""
@@ -384,10 +388,12 @@ def _take_over(vehicle_id: str, step_length: float) -> None:
         vehicle.setParameter(vehicle_id, "device.rerouting.period", "0")
 
 
+def _move_to(vehicle_id: str, lane_id: str, position: float) -> None:
+    libsumo.vehicle.moveTo(vehicle_id, lane_id, position)
+
+
 def _put(vehicle_id: str, put: _Put) -> None:
     vehicle = libsumo.vehicle
-    for lane_id, position in put.sorted_in:
-        vehicle.moveTo(vehicle_id, lane_id, position)
     if put.gap is not None:
         vehicle.setMinGap(vehicle_id, put.gap)
     vehicle.setSpeed(vehicle_id, put.speed)
