@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 
 _PLACES = {
     "Controller": "driver.controller", "Driver": "lab.drivers.protocol", "compare": "lab.comparison.comparison",
-    "load_scenario": "lab.scenario", "read_run": "show.recording", "run_fleet": "lab.simulation",
+    "load_scenario": "lab.scenario", "read_run": "show.recording", "run_fleet": "lab.fleet",
     "run_trial": "lab.simulation",
 }  # fmt: skip
 

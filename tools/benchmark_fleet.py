@@ -32,9 +32,9 @@ from benchmark_run import Case, count, processor_time, theirs
 from sumolib import checkBinary
 
 from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.fleet import run_fleet
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.simulation import run_fleet
 from sumo_reactive.lab.surroundings_record import SurroundingsRecord
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.session import Session

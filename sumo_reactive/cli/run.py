@@ -152,7 +152,8 @@ def _drive(
 ) -> int:
     """Drive one ego, or those that the rule chooses; show what comes of it, record it by what `kept` makes; return the exit
     code."""
-    from sumo_reactive.lab.simulation import run_fleet, run_trial
+    from sumo_reactive.lab.fleet import run_fleet
+    from sumo_reactive.lab.simulation import run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
     drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)

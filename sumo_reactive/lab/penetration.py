@@ -15,11 +15,12 @@ from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.lab.comparison.network_effects import M_PER_KM, Outputs, network_figures
 from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.fault import Fault
+from sumo_reactive.lab.fleet import run_fleet
 from sumo_reactive.lab.fundamental_diagram import diagram_of
 from sumo_reactive.lab.recorder import FleetRecorder
 from sumo_reactive.lab.result import FleetResult, NetworkResult, TrialResult
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.simulation import run_fleet, versions
+from sumo_reactive.lab.simulation import versions
 from sumo_reactive.lab.task import Task
 from sumo_reactive.sumo.config import given_options, option_words, read_config
 from sumo_reactive.sumo.edge_counts import EdgeCounts, Road, edges_for_cars, read_edge_times, read_passages

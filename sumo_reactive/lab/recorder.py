@@ -5,12 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shutil
+import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 from urllib.parse import quote
 
 from pydantic import AfterValidator, ConfigDict, Field
@@ -228,8 +231,44 @@ class Recorder:
             self._teller.close()
 
 
+class Shelf(NamedTuple):
+    """A folder where other processes leave what they have recorded of their egos."""
+
+    folder: Path
+    every_field: bool
+
+    def place_of(self, ego_id: str) -> Path:
+        """Return the folder of an ego."""
+        return self.folder / hashlib.sha256(ego_id.encode("utf-8", errors="surrogatepass")).hexdigest()
+
+    def recorder(self) -> ShelfRecorder:
+        """Return what records the egos of a process."""
+        return ShelfRecorder(self)
+
+
+class ShelfRecorder:
+    """Keeps the steps of some egos in memory, and leaves them on a shelf at the end of the run."""
+
+    def __init__(self, shelf: Shelf) -> None:
+        self._shelf = shelf
+        self._records: defaultdict[str, _Record] = defaultdict(partial(_Record, every_field=shelf.every_field))
+
+    def see(self, scene: Scene) -> None:
+        """Keep one step of one ego."""
+        self._records[scene.ego].see(scene)
+
+    def write(self, results: Sequence[TrialResult]) -> None:
+        """Write the folders of these trips, as far as they were seen here. Raises OSError."""
+        for result in results:
+            if result.ego in self._records:
+                place = self._shelf.place_of(result.ego)
+                place.mkdir()
+                self._records[result.ego].write_into(place, result)
+
+
 class FleetRecorder:
-    """Keeps the steps of all egos in memory and writes them at the end of the run.
+    """Keeps the steps of all egos in memory and writes them at the end of the run; what other processes have recorded it
+    takes from the `shelf`.
 
     Raises at once what `Recorder` raises, and ScenarioError if a folder in `folder` holds a run that may not be replaced.
     """
@@ -237,6 +276,7 @@ class FleetRecorder:
     def __init__(self, folder: Path, *, overwrite: bool = False, every_field: bool = False) -> None:
         self._folder = folder
         self._records: defaultdict[str, _Record] = defaultdict(partial(_Record, every_field=every_field))
+        self._every_field, self._left = every_field, ExitStack()
         self._replaced = replaced_in(folder, overwrite)
         if not overwrite and (other := next(folder.glob(f"*/{SUMMARY}"), None)):
             raise ScenarioError(f"{other.parent}: holds another run; use --overwrite or another folder than {folder}")
@@ -245,15 +285,27 @@ class FleetRecorder:
         """Keep one step of one ego."""
         self._records[scene.ego].see(scene)
 
+    @cached_property
+    def shelf(self) -> Shelf:
+        """Where other processes leave what they record, until it is written."""
+        folder = self._left.enter_context(tempfile.TemporaryDirectory(prefix="sumo_reactive_"))
+        return Shelf(Path(folder), self._every_field)
+
     def write(self, fleet: FleetResult) -> None:
         """Write the folder of each ego and what all came to, or nothing; raise OutputError if that cannot be done."""
         names = EgoFolders((FLEET, *FILES, PAGE))
-        with whole_folder(self._folder, FLEET, self._replaced) as partial:
+        with self._left, whole_folder(self._folder, FLEET, self._replaced) as partial:
             for result in fleet.results:
                 own = partial / names.of(result.ego)
+                if self._is_left(result.ego):
+                    shutil.move(self.shelf.place_of(result.ego), own)
+                    continue
                 own.mkdir()
                 self._records[result.ego].write_into(own, result)
             _write_json(partial / FLEET, fleet_summary(fleet, names.of), indent=2)
+
+    def _is_left(self, ego_id: str) -> bool:
+        return "shelf" in self.__dict__ and self.shelf.place_of(ego_id).is_dir()
 
 
 def _write_json(path: Path, data: object, indent: int | None = None) -> None:

@@ -8,8 +8,9 @@ from __future__ import annotations
 import contextlib
 import tempfile
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import replace
+from enum import IntEnum
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,15 +28,16 @@ from sumo_reactive.lab.drivers.users_trip import UsersTrip
 from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.egos import chooses, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
+from sumo_reactive.lab.peers import ALONE, Peers, Told
 from sumo_reactive.lab.recorder import Recorder, reasons_in
-from sumo_reactive.lab.result import FleetResult, TrialResult
+from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario
 from sumo_reactive.lab.sumo_driver import WatchedTrip, as_told, trip_output
 from sumo_reactive.lab.surroundings_record import RECORDED_M
 from sumo_reactive.lab.task import Task, replay_command
 from sumo_reactive.lab.trace import entries
 from sumo_reactive.lab.trip import Trip
-from sumo_reactive.lab.worlds import Worlds, world_kept
+from sumo_reactive.lab.worlds import world_kept
 from sumo_reactive.sumo.config import SumoConfig, read_config
 from sumo_reactive.sumo.ego import give_back
 from sumo_reactive.sumo.everybody import Everybody
@@ -84,9 +86,17 @@ AnyTrip = Trip | UsersTrip | WatchedTrip
 """Whoever drives: each simulation step is preceded by a `command` and followed by a `scene`."""
 
 
-class _Member(NamedTuple):
-    """A trip under way, the jury that watches it, how its ego was chosen, when it ends at the latest (s)."""
+class _Phase(IntEnum):
+    """What SUMO is told in turn: first all that the egos say as they look, and so on."""
 
+    LOOK, ARRIVE, CHOOSE, COMMAND = range(4)
+
+
+class _Member(NamedTuple):
+    """A trip under way: which of those chosen it is, the jury that watches it, how its ego was chosen, when it ends at the
+    latest (s)."""
+
+    number: int
     trip: AnyTrip
     jury: Jury
     chosen: str
@@ -98,14 +108,16 @@ class Simulation:
 
     `take_over` begins a trip. What the trips have come to is in `results`; `refused` are vehicles that could not be taken
     over, and why, `cut_short` the egos whose trip the run's end has ended, `placed` those that SUMO has not moved itself.
+    With `peers`, other processes have the same simulation, and each drives some of the egos: the results are of those here.
     """
 
     def __init__(
         self, start: Started, scenario: Scenario, take_over: Callable[[str], AnyTrip],
-        observer: SceneObserver | None, progress: Progress | None, rule: EgoRule | None = None,
+        observer: SceneObserver | None, progress: Progress | None, rule: EgoRule | None = None, peers: Peers = ALONE,
     ) -> None:  # fmt: skip
         self._start, self._session, self._scenario = start, start.session, scenario
         self._take_over, self._observer, self._progress, self._rule = take_over, observer, progress, rule
+        self._peers, self._chosen, self._all = peers, 0, Told()
         self._equipment = Equipment(start.config) if rule else None
         self._everybody = Everybody()
         self._members: list[_Member] = []
@@ -117,12 +129,14 @@ class Simulation:
         self.ended = start.session.time
         self.ego_steps, self.busy_s = 0, 0.0
 
-    def admit(self, vehicle_id: str, chosen: str) -> None:
-        """Take over a vehicle that has departed, chosen in the way told."""
+    def admit(self, vehicle_id: str, chosen: str, number: int = 0) -> None:
+        """Take over a vehicle that has departed, chosen in the way told, as ego `number`."""
+        self._session.orders.begin(_Phase.CHOOSE, number)
         trip = self._take_over(vehicle_id)
-        self._until = self._scenario.end_after(trip.departure)
+        until = self._scenario.end_after(trip.departure)
+        self._until = self._until if self._rule else until
         jury = Jury(trip.limits.length, trip.limits.width, trip.limits.wheelbase, self._scenario.metrics)
-        self._members.append(_Member(trip, jury, chosen, self._until))
+        self._members.append(_Member(number, trip, jury, chosen, until))
 
     def run_one(self) -> None:
         """Wait for the scenario's one ego, and let it drive."""
@@ -132,21 +146,28 @@ class Simulation:
     def run(self) -> None:
         """Step until nobody is on the way or can still come; then play the scenario out if it asks for that."""
         with world_kept():
-            while self._goes_on():
-                self.step()
+            while self.step():
                 if self._progress is not None:
                     self._progress(self._session.time, self._doing)
         self.ended = self._session.time
-        self._session.orders.carry_out()
-        if self._has_left:
+        if self._all.has_left:
             self._session.step()
-        if self._scenario.until_end:
+        if self._scenario.until_end and self._peers.index == 0:
             self._session.play_out(self._until, self._progress)
 
+    def _agree(self) -> None:
+        """Tell the peers what the egos here have SUMO do, and how they fare; carry out all of it, theirs, too."""
+        orders, ended = self._session.orders, len(self.results) + len(self.refused)
+        here = Told(orders.for_others() if self._peers.number > 1 else (), len(self._members), ended, self._has_left)
+        told = self._peers.others(here)
+        orders.carry_out(order for one in told for order in one.orders)
+        _, on_their_way, all_ended, have_left = zip(here, *told, strict=True)
+        self._all = Told((), sum(on_their_way), sum(all_ended), any(have_left))
+
     def _goes_on(self) -> bool:
-        if self._members or self._rule is None:
-            return bool(self._members)
-        can_come = self._rule.is_open or len(self.results) + len(self.refused) < len(self._rule.ids)
+        if self._all.on_their_way or self._rule is None:
+            return bool(self._all.on_their_way)
+        can_come = self._rule.is_open or self._all.ended < len(self._rule.ids)
         is_past = self._until is not None and self._session.time >= self._until
         return can_come and not is_past and not self._session.is_over()
 
@@ -155,12 +176,19 @@ class Simulation:
         """The judges of the trips under way, by ego."""
         return {member.trip.id: member.jury for member in self._members}
 
-    def step(self) -> None:
-        """Let everybody command, simulate one step, look at what came of it, take over who has departed."""
-        began, self._has_left = clock.perf_counter(), False
+    def step(self) -> bool:
+        """Let everybody command, simulate one step, look at what came of it, take over who has departed.
+
+        Return whether there was a step: somebody is on the way or can still come.
+        """
+        began = clock.perf_counter()
         for member in self._members:
+            self._session.orders.begin(_Phase.COMMAND, member.number)
             member.trip.command()
-        before = clock.perf_counter()
+        self._agree()
+        if not self._goes_on():
+            return False
+        before, self._has_left = clock.perf_counter(), False
         self._session.step()
         after = clock.perf_counter()
         self.ego_steps += len(self._members)
@@ -169,10 +197,12 @@ class Simulation:
         self.busy_s += clock.perf_counter() - after + before - began
         if self._rule is not None:
             self._choose(self._rule)
-            self._doing = f"{len(self._members)} egos on their way, {len(self.results)} have ended"
+            self._doing = f"{self._all.on_their_way} egos on their way, {self._all.ended} have ended"
+        return True
 
     def _look(self, member: _Member) -> bool:
         """Look at what came of a command; return whether the ego is still in the simulation."""
+        self._session.orders.begin(_Phase.LOOK, member.number)
         try:
             if (scene := member.trip.scene()) is not None:
                 self._show(member, scene)
@@ -185,6 +215,7 @@ class Simulation:
 
     def _is_on_its_way(self, member: _Member) -> bool:
         """Take an ego away that has arrived, let go of one whose time is over; return whether the trip goes on."""
+        self._session.orders.begin(_Phase.ARRIVE, member.number)
         trip = member.trip
         self._has_left = trip.arrive() or self._has_left
         is_cut_short = member.until is not None and self._session.time >= member.until
@@ -211,9 +242,11 @@ class Simulation:
         for vehicle_id in () if self._session.is_past_end() else self._session.departed:
             if not chooses(rule, vehicle_id, self._equipment, self._scenario.seed):
                 continue
-            is_named = vehicle_id in rule.ids
+            number, self._chosen, is_named = self._chosen, self._chosen + 1, vehicle_id in rule.ids
+            if number % self._peers.number != self._peers.index:
+                continue
             try:
-                self.admit(vehicle_id, "as named" if is_named else "by rule")
+                self.admit(vehicle_id, "as named" if is_named else "by rule", number)
             except (ScenarioError, NetworkError, PlanError) as error:
                 if is_named:
                     raise
@@ -255,7 +288,7 @@ def run_trial(
         )  # fmt: skip
         simulation.run_one()
         files = trip_files()
-    return replace(_recounted(files, simulation)[0], command=_command_of(scenario, simulation))
+    return replace(recounted(files, simulation.results, simulation.placed)[0], command=_command_of(scenario, simulation))
 
 
 def taking_over(scenario: Scenario) -> Callable[[Session, str, WorldSource, Sensor], Trip | UsersTrip]:
@@ -293,47 +326,6 @@ def _command_of(scenario: Scenario, simulation: Simulation) -> str:
     return replay_command(Task(replace(scenario, ego=simulation.results[0].ego, egos=None)))
 
 
-def run_fleet(
-    scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None,
-    may_be_nobody: bool = False, has_window: bool = False,
-) -> FleetResult:  # fmt: skip
-    """Run the scenario in this process with every vehicle that `rule` chooses as an ego, until none can be left.
-
-    Nobody is taken over after the scenario's end; who is under way then drives on, to `until_s` at the latest. Raises what
-    `run_trial` raises; a vehicle that is not named and cannot be taken over is no error, nobody at all is one unless there
-    `may_be_nobody`.
-    """
-    began, is_watched = clock.perf_counter(), scenario.driver == SUMO
-    with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder:
-        options, trips = trip_output(scenario.sumo_options, Path(folder)) if is_watched else ([], Path())
-        with started(scenario, options, has_window=has_window, takes_over_many=True) as start:
-            simulation = Simulation(start, scenario, _fleet_taker(scenario, start), observer, progress, rule)
-            simulation.run()
-            files = trip_files()
-            if not may_be_nobody:
-                _require_egos(simulation, rule, scenario)
-        simulation.results.sort(key=lambda one: one.departure_s)
-        results = as_told(simulation.results, trips) if is_watched else _recounted(files, simulation)
-        return FleetResult(
-            results=tuple(results),
-            refused=tuple(simulation.refused),
-            on_their_way=frozenset(simulation.cut_short),
-            until=simulation.ended,
-            step_us=1e6 * simulation.busy_s / max(simulation.ego_steps, 1),
-            wall_s=clock.perf_counter() - began,
-            overrides=(*start.overrides, *passed_end(start.config, simulation.ended, scenario.sumo_options)),
-        )
-
-
-def _fleet_taker(scenario: Scenario, start: Started) -> Callable[[str], AnyTrip]:
-    """Return what begins the trip of each ego of several."""
-    session, net_file = start.session, start.config.net_file
-    if scenario.driver == SUMO:
-        return lambda ego: WatchedTrip(session, ego, net_file, scenario.parameters.stuck_s)
-    taken_over, worlds, sensor = taking_over(scenario), Worlds(read_net(net_file)), Sensor(scenario.obstacle_polygons)
-    return lambda ego: taken_over(session, ego, worlds, sensor)
-
-
 def versions() -> dict[str, str]:
     """Return what a trial's numbers depend on besides the scenario: this package, SUMO, the libraries it computes with."""
     return {
@@ -344,29 +336,14 @@ def versions() -> dict[str, str]:
     }
 
 
-def _recounted(files: TripFiles, simulation: Simulation) -> list[TrialResult]:
+def recounted(files: TripFiles, results: Sequence[TrialResult], placed: Container[str]) -> list[TrialResult]:
     """Put the egos' figures right in the outputs of a simulation that has ended; return the results with what that was.
 
-    What SUMO has moved itself to the end, it has counted right.
+    What SUMO has moved itself to the end, not `placed`, it has counted right.
     """
-    results, placed = simulation.results, simulation.placed
     egos = {one.ego: Driven(one.duration_s, one.distance_m, one.stopped_s) for one in results if one.ego in placed}
     found = put_right(files, egos) if egos else ()
     return [replace(one, recounts=tuple(it for it in found if it.vehicle in ("", one.ego))) for one in results]
-
-
-def _require_egos(simulation: Simulation, rule: EgoRule, scenario: Scenario) -> None:
-    """Raise ScenarioError for a named ego that never came, or if there was none at all, or none that could be driven."""
-    driven, until = {result.ego for result in simulation.results}, f"before {simulation.ended:.1f} s, where the run ends"
-    for name in rule.ids:
-        if name not in driven:
-            raise ScenarioError(f"{scenario.source}: ego '{name}' never departs {until}")
-    if simulation.results:
-        return
-    if simulation.refused:
-        (first, reason), many = simulation.refused[0], len(simulation.refused)
-        raise ScenarioError(f"{scenario.source}: none of {many} vehicles chosen can be taken over; '{first}': {reason}")
-    raise ScenarioError(f"{scenario.source}: no vehicle is chosen as an ego {until}")
 
 
 def run_observed(task: Task) -> dict[str, Any]:

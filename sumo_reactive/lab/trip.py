@@ -33,6 +33,7 @@ from sumo_reactive.sumo.lying_over import lane_lain_over, lane_turned_over
 from sumo_reactive.sumo.net_reader import WorldSource
 from sumo_reactive.sumo.observed_vehicle import Bystanders
 from sumo_reactive.sumo.observer import EgoObserver
+from sumo_reactive.sumo.orders import Tell
 from sumo_reactive.sumo.passed_seen import passed_seen
 from sumo_reactive.sumo.routes import RouteWindow, crossed_before, quickest_way, unmapped_lanes
 from sumo_reactive.sumo.sensor import Sensor, StopLines
@@ -57,12 +58,13 @@ class _Ways(NamedTuple):
 
     ego_id: str
     net: WorldSource
+    tell: Tell
 
     def build(self, edges: Sequence[str], /) -> RoadGraph:
         return self.net.build(edges)
 
     def quickest_way(self, firsts: Sequence[str], goals: Sequence[str], /) -> tuple[str, ...]:
-        return quickest_way(self.ego_id, firsts, goals)
+        return quickest_way(self.ego_id, firsts, goals, self.tell)
 
 
 class Trip:
@@ -109,7 +111,7 @@ class Trip:
         )
         self._driving: Driving
         self._route = ego.route
-        self._go_on(set_out(controller, ego.route, start, _Ways(ego_id, net)))
+        self._go_on(set_out(controller, ego.route, start, _Ways(ego_id, net, tell)))
         self._traffic = self._observe()
         self._step = self._driving.step(self._traffic, session.step_length)  # what it calls is loaded: a step is pure
         self._control_us, self._is_first = 0.0, True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
@@ -33,13 +34,16 @@ def _beside_the_first(graph: RoadGraph, before: str, behind: str) -> list[str]:
     return [part for way in ways[1:] for part in way if graph.lanes[part].edge_id not in known]
 
 
-def quickest_way(vehicle_id: str, firsts: Iterable[str], goals: Sequence[str]) -> tuple[str, ...]:
-    """Return the edges of the quickest way from one of the edges `firsts` by all `goals` in order; empty: there is none."""
-    ways = [way for first in dict.fromkeys(firsts) if (way := _through(vehicle_id, (first, *goals)))]
+def quickest_way(vehicle_id: str, firsts: Iterable[str], goals: Sequence[str], tell: Tell = AT_ONCE) -> tuple[str, ...]:
+    """Return the edges of the quickest way from one of the edges `firsts` by all `goals` in order; empty: there is none.
+
+    SUMO draws a number for each answer, which changes what it draws next: others with the same simulation ask it as often.
+    """
+    ways = [way for first in dict.fromkeys(firsts) if (way := _through(vehicle_id, (first, *goals), tell))]
     return min(ways, key=lambda way: way[1], default=((), 0.0))[0]
 
 
-def _through(vehicle_id: str, places: Sequence[str]) -> tuple[tuple[str, ...], float] | None:
+def _through(vehicle_id: str, places: Sequence[str], tell: Tell) -> tuple[tuple[str, ...], float] | None:
     """Return edges and travel time (s) from place to place; None where a leg has no way.
 
     Asked for the type that a vehicle has for itself alone, SUMO forgets that type with its answer, and the vehicle that has
@@ -50,6 +54,7 @@ def _through(vehicle_id: str, places: Sequence[str]) -> tuple[tuple[str, ...], f
     for start, goal in pairwise(places):
         if start == goal:
             continue
+        tell.elsewhere(_ask_for, start, goal, kind, now)
         try:
             leg = libsumo.simulation.findRoute(start, goal, kind, now)
         except libsumo.TraCIException:
@@ -122,6 +127,11 @@ class RouteWindow:
         earlier = slice(first, last)
         is_twice = self._edges[last] in self._edges[earlier] or self._ends[last] in self._ends[earlier]
         return is_twice or self._crossed[last] >= first
+
+
+def _ask_for(start: str, goal: str, kind: str, now: float) -> None:
+    with contextlib.suppress(libsumo.TraCIException):
+        libsumo.simulation.findRoute(start, goal, kind, now)
 
 
 def _add_route(name: str, edges: tuple[str, ...]) -> None:

@@ -12,10 +12,11 @@ from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.errors import ScenarioError
 from sumo_reactive.lab.drivers.choice import SUMO
 from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.fleet import run_fleet
 from sumo_reactive.lab.metric_names import METRICS
 from sumo_reactive.lab.result import FleetResult
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.simulation import run_fleet, run_trial
+from sumo_reactive.lab.simulation import run_trial
 
 
 def scenario(name: str = "four_way_priority", **changes: object) -> Scenario:

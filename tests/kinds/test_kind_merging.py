@@ -8,7 +8,7 @@ import pytest
 from kinds import Net, car, driven, edge, link, node, situation, stream
 
 from sumo_reactive.lab.ego_rule import EgoRule
-from sumo_reactive.lab.simulation import run_fleet
+from sumo_reactive.lab.fleet import run_fleet
 
 
 @pytest.mark.parametrize("ahead", [12, 6, 0, -6])

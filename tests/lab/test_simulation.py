@@ -14,11 +14,12 @@ from sumo_reactive.lab import simulation
 from sumo_reactive.lab.columns import digest_of
 from sumo_reactive.lab.comparison.network_effects import Outputs, effects_of
 from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.fleet import run_fleet
 from sumo_reactive.lab.recorder import fleet_summary
 from sumo_reactive.lab.result import rows_of as shown
 from sumo_reactive.lab.result import summary_of
 from sumo_reactive.lab.scenario import Scenario, load_scenario
-from sumo_reactive.lab.simulation import run_fleet, run_sumo_driver, run_trial
+from sumo_reactive.lab.simulation import run_sumo_driver, run_trial
 from sumo_reactive.sumo.config import read_config
 
 ROOT = Path(__file__).parents[2]

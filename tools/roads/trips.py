@@ -18,10 +18,11 @@ from sumo_reactive.driver.nouns.record import Scene
 from sumo_reactive.driver.parameters import USUAL, Parameters
 from sumo_reactive.errors import ReactiveError
 from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.fleet import run_fleet
 from sumo_reactive.lab.metrics.encounters import HARD_BRAKING_M_S2
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario
-from sumo_reactive.lab.simulation import Simulation, run_fleet, run_trial, started
+from sumo_reactive.lab.simulation import Simulation, run_trial, started
 from sumo_reactive.lab.sumo_driver import WatchedTrip
 
 WARM_UP_S = 15.0

@@ -11,9 +11,10 @@ from sumo_reactive.lab.drivers.choice import DriverChoice, chosen_driver
 from sumo_reactive.lab.drivers.loading import digest_of_driver, maker_of
 from sumo_reactive.lab.drivers.protocol import Driver
 from sumo_reactive.lab.ego_rule import EgoRule
+from sumo_reactive.lab.fleet import run_fleet
 from sumo_reactive.lab.recorder import Recorder
 from sumo_reactive.lab.scenario import load_scenario
-from sumo_reactive.lab.simulation import run_fleet, run_trial, taking_over
+from sumo_reactive.lab.simulation import run_trial, taking_over
 
 ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).parent
