@@ -32,9 +32,10 @@ from benchmark_run import Case, count, processor_time, theirs
 from sumolib import checkBinary
 
 from sumo_reactive.lab.ego_rule import EgoRule
-from sumo_reactive.lab.fleet import run_fleet
+from sumo_reactive.lab.fleet import Running, run_fleet
 from sumo_reactive.lab.metrics.jury import Jury
 from sumo_reactive.lab.scenario import Scenario, load_scenario
+from sumo_reactive.lab.simulation import Simulation
 from sumo_reactive.lab.surroundings_record import SurroundingsRecord
 from sumo_reactive.lab.trip import Trip
 from sumo_reactive.sumo.session import Session
@@ -43,7 +44,10 @@ ROOT = Path(__file__).resolve().parent.parent
 SCENARIO = ROOT / "scenarios" / "city_grid.toml"
 FIGURES, SPEED, SCALE = ROOT / "tools" / "speed.json", ROOT / "docs" / "speed.md", ROOT / "docs" / "scale.md"
 SHARES, UNTIL_S, FACTOR, REPEATS = (0.0, 0.08, 0.8), 120.0, 1.0, 3
-TIMED, WEIGHED = "--timed", "--weighed"
+CORES = 1, 2
+"""Processes that share the most egos."""
+
+TIMED, WEIGHED, SHARED = "--timed", "--weighed", "--shared"
 """First arguments of the processes that this program starts to drive; the second are share, factor and end as JSON."""
 
 MOST_MORE = 0.1
@@ -58,7 +62,7 @@ Figures = dict[str, Any]
 
 def main() -> None:
     """Measure, print, and write or compare."""
-    workers = {TIMED: driven, WEIGHED: weighed}
+    workers: dict[str, Callable[..., Figures | float]] = {TIMED: driven, WEIGHED: weighed, SHARED: shared}
     if sys.argv[1:2] and sys.argv[1] in workers:
         print(json.dumps(workers[sys.argv[1]](*json.loads(sys.argv[2]))))
         return
@@ -96,11 +100,12 @@ def measured(shares: Sequence[float], factor: float, until: float) -> Figures:
         row["split"]["in SUMO"] = (row.pop("sumo_us") - plain_us) / row["egos"]
         row["ego_us"] = sum(row["split"].values())
         rows.append(row | {"ratio": row["ego_us"] / (plain_us / vehicles)})
-    return {"vehicles": vehicles, "factor": factor, "until_s": until, "rows": rows}
+    wall = {cores: _fleet(SHARED, max(shares), factor, until, cores)["wall_us"] for cores in CORES} if max(shares) else {}
+    return {"vehicles": vehicles, "factor": factor, "until_s": until, "rows": rows, "wall_us": wall}
 
 
-def _fleet(worker: str, share: float, factor: float, until: float) -> Figures:
-    order = json.dumps([share, factor, until])
+def _fleet(worker: str, *order_of: float) -> Figures:
+    order = json.dumps(order_of)
     found: Figures = json.loads(processor_time([sys.executable, __file__, worker, order])[1].splitlines()[-1])
     return found
 
@@ -110,14 +115,15 @@ def driven(share: float, factor: float, until: float) -> Figures:
     spent: dict[str, list[float]] = {}
     for part, owner, name in (
         ("place", Trip, "_place"), ("command", Trip, "command"), ("observe", Trip, "scene"), ("judge", Jury, "see"),
-        ("SUMO", Session, "step"),
+        ("SUMO", Session, "step"), ("tell", Simulation, "_agree"),
     ):  # fmt: skip
         setattr(owner, name, timed(getattr(owner, name), spent.setdefault(part, [])))
     records: dict[str, SurroundingsRecord] = defaultdict(SurroundingsRecord)
     record = timed(lambda scene: records[scene.ego].see(scene), spent.setdefault("record", []))
     run_fleet(_scenario(factor, until), _rule(share), observer=record)
     spent["control"] = list(np.subtract(spent.pop("command"), spent["place"]))
-    sumo = spent.pop("SUMO")
+    sumo, told = spent.pop("SUMO"), sum(spent.pop("tell"))
+    spent["place"].append(told)
     steps = len(sumo)
     return {
         "egos": len(spent["control"]) / steps, "sumo_us": sum(sumo) / steps,
@@ -131,6 +137,11 @@ def weighed(share: float, factor: float, until: float) -> Figures:
     at_once: Counter[float] = Counter()
     run_fleet(_scenario(factor, until), _rule(share), observer=lambda scene: at_once.update([scene.step.time]))
     return {"memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _MB, "most_egos": max(at_once.values())}
+
+
+def shared(share: float, factor: float, until: float, cores: int) -> Figures:
+    """Drive egos by several processes, unrecorded; return the wall clock's µs that the driver takes an ego and step."""
+    return {"wall_us": run_fleet(_scenario(factor, until), _rule(share), running=Running(cores=cores)).step_us}
 
 
 def _scenario(factor: float, until: float) -> Scenario:
@@ -193,6 +204,9 @@ are an ego's in a step, followed by their parts; "in SUMO" is what SUMO's own st
 "Ratio": an ego's step as a multiple of what the plain step costs for a vehicle. MB is the process
 at its largest, unrecorded.
 
+With several processes (`run --cores`) each has the same SUMO and a part of the egos. By the wall's clock the driver of the
+{max(row['egos'] for row in figures['rows']):.0f} egos takes, an ego and step, unrecorded: {wall_of(figures)}.
+
 ```text
 python tools/benchmark_fleet.py            # print the table
 python tools/benchmark_fleet.py --check    # exit code 1 if a ratio is more than 10 % above the one here
@@ -201,6 +215,11 @@ python tools/benchmark_fleet.py --write    # measure, and write this page
 
 Whole runs with one ego in other traffic: `tools/benchmark_run.py`.
 """
+
+
+def wall_of(figures: Figures) -> str:
+    """Return the µs of the wall's clock by processes, in words."""
+    return ", ".join(f"{wall:.0f} µs with {cores}" for cores, wall in figures["wall_us"].items())
 
 
 def scale_page(figures: Figures) -> str:
@@ -236,7 +255,8 @@ processor's caches no longer suffice.
 - **A scenario is one process.** SUMO steps all vehicles on one core, and 0.1 s of the city take it {sumo_s:.2f} s:
   real time ends at {1e6 * CITY_STEP_S / vehicle_us:,.0f} vehicles without any ego. Steps of 1 s
   cost a tenth, but are no steps to drive in.
-- **An ego costs as much as {ego_us / vehicle_us:.0f} vehicles.** Within a process the egos are driven one after another.
+- **An ego costs as much as {ego_us / vehicle_us:.0f} vehicles.** Processes share the egos (`run --cores`): each still
+  steps SUMO and places all egos, {most['split']['place'] + most['split']['in SUMO']:.0f} µs of the {ego_us:.0f} µs.
 - **Memory.** A tenth of the cars as egos take {1e-3 * egos * ego_mb:.1f} GB in one process,
   unrecorded, for two minutes of driving.
 - **Many runs are no wall.** Shares × seeds × scenarios are trials of a [batch](batch.md), which share nothing: n cores take

@@ -76,6 +76,8 @@ PolygonsOption = Annotated[
     str | None, typer.Option(metavar="TYPE", help="polygons of this type stand on the road; else those of 'obstacle'")
 ]
 
+CoresOption = Annotated[int, typer.Option(min=1, max=64, help="processes that share several egos")]
+
 _EXAMPLE = "Example: sumo-reactive run my.sumocfg --ego veh_12 --out DIR -- --tripinfo-output t.xml"
 
 
@@ -105,6 +107,7 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="print the verdict only")] = False,
     gui: Annotated[bool, typer.Option("--gui", help="watch it in SUMO's own window")] = False,
     gui_speed: Annotated[float, typer.Option(min=0.01, max=1000.0, help="times faster than life in the window")] = 1.0,
+    cores: CoresOption = 1,
 ) -> int:
     """Let the ego drive to its goal in a SUMO scenario, and judge the trip; or several egos at once."""
     from sumo_reactive.driver.parameters import Delays, Profile
@@ -112,14 +115,13 @@ def run(
 
     scenario, named = load_scenario(config), ego or []
     scenario = with_options(
-        scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
-        profile=profile and Profile(profile.value), delays=delays and Delays(delays.value), until_end=until_end or None,
-        horizon_s=horizon, obstacle_polygons=obstacle_polygons, parameters=parameters_with(scenario, parameter or []),
-        driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None),
-        sumo_options=tuple(context.obj or ()),
+        scenario, sumo_options=tuple(context.obj or ()), delays=delays and Delays(delays.value), until_end=until_end or None,
+        parameters=parameters_with(scenario, parameter or []), until_s=until, profile=profile and Profile(profile.value),
+        seed=seed, obstacle_polygons=obstacle_polygons, ego=named[0] if len(named) == 1 else None, step_length_s=step_length,
+        driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None), horizon_s=horizon,
     )  # fmt: skip
     rule = rule_asked(named, ego_type, ego_class, ego_region, ego_probability) or _own_rule(scenario, named)
-    return _drive(scenario, rule, _kept(scenario, rule, out, overwrite, record), quiet, gui_speed if gui else None)
+    return _drive(scenario, rule, _kept(scenario, rule, out, overwrite, record), cores, quiet, gui_speed if gui else None)
 
 
 def _own_rule(scenario: Scenario, ids: Sequence[str]) -> EgoRule | None:
@@ -148,22 +150,29 @@ def _kept(
 
 
 def _drive(
-    scenario: Scenario, rule: EgoRule | None, kept: Callable[[], Any] | None, quiet: bool, gui_speed: float | None
-) -> int:
-    """Drive one ego, or those that the rule chooses; show what comes of it, record it by what `kept` makes; return the exit
-    code."""
-    from sumo_reactive.lab.fleet import run_fleet
+    scenario: Scenario, rule: EgoRule | None, kept: Callable[[], Any] | None, cores: int, quiet: bool,
+    gui_speed: float | None,
+) -> int:  # fmt: skip
+    """Drive one ego, or those that the rule chooses, by so many processes; show what comes of it, record it by what `kept`
+    makes; return the exit code."""
+    from sumo_reactive.lab.fleet import Running, run_fleet
     from sumo_reactive.lab.simulation import run_trial
     from sumo_reactive.sumo.crash import crashes_told
 
-    drive = partial(run_fleet, scenario, rule) if rule else partial(run_trial, scenario)
-    show: Callable[[Any, bool], None] = _show_several if rule else _show
-    recorder = kept() if kept else None
-    observer = _watched(recorder.see if recorder else None, gui_speed)
     has_window = gui_speed is not None
+    if cores > 1 and (rule is None or has_window):
+        raise typer.BadParameter("several processes drive several egos, without a window", param_hint="--cores")
+    recorder = kept() if kept else None
+    show: Callable[[Any, bool], None] = _show_several if rule else _show
+    running = Running(has_window, cores, recorder.shelf if recorder and cores > 1 else None)
+    run = (
+        partial(run_fleet, scenario, rule, running=running) if rule
+        else partial(run_trial, scenario, has_window=has_window)
+    )  # fmt: skip
+    observer = _watched(recorder.see if recorder else None, gui_speed)
     compile_first()
     with progress_shown(quiet) as progress, crashes_told(has_window=has_window):
-        result: Any = drive(observer=observer, progress=progress, has_window=has_window)
+        result: Any = run(observer=observer, progress=progress)
     show(result, quiet)
     if recorder:
         with figures_kept(quiet, lambda: show(result, False)):

@@ -38,28 +38,40 @@ class _Order(NamedTuple):
     shelf: Shelf | None
 
 
+class Running(NamedTuple):
+    """How several egos are run: with SUMO's window, by how many processes, and where the others leave what they record."""
+
+    has_window: bool = False
+    cores: int = 1
+    shelf: Shelf | None = None
+
+
+ONE_PROCESS = Running()
+
+
 def run_fleet(
     scenario: Scenario, rule: EgoRule, *, observer: SceneObserver | None = None, progress: Progress | None = None,
-    may_be_nobody: bool = False, has_window: bool = False, cores: int = 1, shelf: Shelf | None = None,
+    may_be_nobody: bool = False, running: Running = ONE_PROCESS,
 ) -> FleetResult:  # fmt: skip
     """Run the scenario with every vehicle that `rule` chooses as an ego, until none can be left.
 
     Nobody is taken over after the scenario's end; who is under way then drives on, to `until_s` at the latest. With several
-    `cores` as many processes have the simulation and drive an equal part of the egos each, to the same bits; a script that
+    cores as many processes have the simulation and drive an equal part of the egos each, to the same bits; a script that
     asks for it begins under `if __name__ == "__main__"`. `observer` gets the scenes of this process's egos; the others
-    record theirs on the `shelf` of a `FleetRecorder`, if there is one.
+    record theirs on the shelf of a `FleetRecorder`, if there is one.
 
     Raises what `run_trial` raises; a vehicle that is not named and cannot be taken over is no error, nobody at all is one
     unless there `may_be_nobody`.
     """
-    began, is_watched = clock.perf_counter(), scenario.driver == SUMO
-    if cores > 1 and (has_window or not is_of_parts(scenario.driver)):
+    began, is_watched, (has_window, cores, shelf) = clock.perf_counter(), scenario.driver == SUMO, running
+    if cores > 1 and (has_window or is_watched or not is_of_parts(scenario.driver)):
         raise ScenarioError(f"{scenario.source}: several processes drive without a window, with this program's driver alone")
     crew = Crew(cores - 1, _drive, _Order(scenario, rule, shelf))
     with tempfile.TemporaryDirectory(prefix="sumo_reactive_") as folder, crew:
         options, trips = trip_output(scenario.sumo_options, Path(folder)) if is_watched else ([], Path())
         with started(scenario, options, has_window=has_window, takes_over_many=True) as start:
-            simulation = Simulation(start, scenario, _fleet_taker(scenario, start), observer, progress, rule, crew.hub)
+            simulation = Simulation(start, scenario, _fleet_taker(scenario, start), observer, progress, rule)
+            simulation.share_with(crew.hub)
             simulation.run()
             files = trip_files()
             all_of_them = _together([_part_of(simulation), *crew.parts()])
@@ -86,7 +98,8 @@ def _drive(peers: Peers, order: _Order) -> tuple[Part, Shelve | None]:
     with started(silent, takes_over_many=True) as start:
         mute(prefix)
         taker, observer = _fleet_taker(scenario, start), recorder.see if recorder else None
-        simulation = Simulation(start, scenario, taker, observer, None, rule, peers)
+        simulation = Simulation(start, scenario, taker, observer, None, rule)
+        simulation.share_with(peers)
         simulation.run()
         mute(prefix)
     return _part_of(simulation), recorder.write if recorder else None

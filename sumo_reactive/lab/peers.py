@@ -8,14 +8,14 @@ from multiprocessing.connection import Connection
 from typing import NamedTuple
 
 from sumo_reactive.errors import SimulationError
-from sumo_reactive.sumo.orders import Order
+from sumo_reactive.sumo.orders import SumoOrder
 
 
-class Told(NamedTuple):
+class PeerMessage(NamedTuple):
     """What a process tells the others before a step: the orders of its egos, how many of them are on their way, how many
     have ended or could not be taken over, and whether one has just left the road."""
 
-    orders: tuple[Order, ...] = ()
+    orders: tuple[SumoOrder, ...] = ()
     on_their_way: int = 0
     ended: int = 0
     has_left: bool = False
@@ -26,7 +26,7 @@ class Peers:
 
     index, number = 0, 1
 
-    def others(self, told: Told) -> list[Told]:
+    def others(self, told: PeerMessage) -> list[PeerMessage]:
         """Tell the others; return what they tell."""
         return []
 
@@ -46,7 +46,7 @@ class Hub(Peers):
     def __init__(self, spokes: list[Connection]) -> None:
         self._spokes, self.number = spokes, 1 + len(spokes)
 
-    def others(self, told: Told) -> list[Told]:
+    def others(self, told: PeerMessage) -> list[PeerMessage]:
         """Tell the others; return what they tell. Raises what one has raised, and SimulationError if one is gone."""
         parts = [pickle.dumps(told), *(spoke_told(spoke) for spoke in self._spokes)]
         found = [pickle.loads(part) for part in parts[1:]]
@@ -62,7 +62,7 @@ class Spoke(Peers):
     def __init__(self, connection: Connection, index: int, number: int) -> None:
         self._connection, self.index, self.number = connection, index, number
 
-    def others(self, told: Told) -> list[Told]:
+    def others(self, told: PeerMessage) -> list[PeerMessage]:
         """Tell the others; return what they tell. Raises EOFError if the first is gone."""
         self._connection.send_bytes(pickle.dumps(told))
         parts = pickle.loads(self._connection.recv_bytes())

@@ -28,7 +28,7 @@ from sumo_reactive.lab.drivers.users_trip import UsersTrip
 from sumo_reactive.lab.ego_rule import EgoRule
 from sumo_reactive.lab.egos import chooses, find_ego
 from sumo_reactive.lab.metrics.jury import Jury
-from sumo_reactive.lab.peers import ALONE, Peers, Told
+from sumo_reactive.lab.peers import ALONE, PeerMessage, Peers
 from sumo_reactive.lab.recorder import Recorder, reasons_in
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.lab.scenario import Scenario
@@ -108,16 +108,15 @@ class Simulation:
 
     `take_over` begins a trip. What the trips have come to is in `results`; `refused` are vehicles that could not be taken
     over, and why, `cut_short` the egos whose trip the run's end has ended, `placed` those that SUMO has not moved itself.
-    With `peers`, other processes have the same simulation, and each drives some of the egos: the results are of those here.
     """
 
     def __init__(
         self, start: Started, scenario: Scenario, take_over: Callable[[str], AnyTrip],
-        observer: SceneObserver | None, progress: Progress | None, rule: EgoRule | None = None, peers: Peers = ALONE,
+        observer: SceneObserver | None, progress: Progress | None, rule: EgoRule | None = None,
     ) -> None:  # fmt: skip
         self._start, self._session, self._scenario = start, start.session, scenario
         self._take_over, self._observer, self._progress, self._rule = take_over, observer, progress, rule
-        self._peers, self._chosen, self._all = peers, 0, Told()
+        self._peers, self._chosen, self._all = ALONE, 0, PeerMessage()
         self._equipment = Equipment(start.config) if rule else None
         self._everybody = Everybody()
         self._members: list[_Member] = []
@@ -128,6 +127,10 @@ class Simulation:
         self.cut_short, self.placed = set[str](), set[str]()
         self.ended = start.session.time
         self.ego_steps, self.busy_s = 0, 0.0
+
+    def share_with(self, peers: Peers) -> None:
+        """Drive a part of the egos; other processes with the same simulation drive theirs. The results are of those here."""
+        self._peers = peers
 
     def admit(self, vehicle_id: str, chosen: str, number: int = 0) -> None:
         """Take over a vehicle that has departed, chosen in the way told, as ego `number`."""
@@ -158,11 +161,11 @@ class Simulation:
     def _agree(self) -> None:
         """Tell the peers what the egos here have SUMO do, and how they fare; carry out all of it, theirs, too."""
         orders, ended = self._session.orders, len(self.results) + len(self.refused)
-        here = Told(orders.for_others() if self._peers.number > 1 else (), len(self._members), ended, self._has_left)
+        here = PeerMessage(orders.for_others() if self._peers.number > 1 else (), len(self._members), ended, self._has_left)
         told = self._peers.others(here)
         orders.carry_out(order for one in told for order in one.orders)
         _, on_their_way, all_ended, have_left = zip(here, *told, strict=True)
-        self._all = Told((), sum(on_their_way), sum(all_ended), any(have_left))
+        self._all = PeerMessage((), sum(on_their_way), sum(all_ended), any(have_left))
 
     def _goes_on(self) -> bool:
         if self._all.on_their_way or self._rule is None:

@@ -8,7 +8,7 @@ import libsumo
 
 from sumo_reactive.sumo.orders import Tell, nothing
 
-ASKED_HEADWAY_S, ASKED_FOR_S, AT_ONCE = 3.0, 5.0, 10.0
+_ASKED_HEADWAY_S, _ASKED_FOR_S, _AT_ONCE = 3.0, 5.0, 10.0
 """Who is asked to let the ego in opens such a gap, and keeps it so long (s); the rate (1/s) with which he turns to it."""
 
 _KEEPS_CLEAR = 1
@@ -70,7 +70,7 @@ def askers_of(ego_id: str) -> list[str]:
 
 
 def _open_gap(user: str, ego_id: str, braking: float) -> None:
-    libsumo.vehicle.openGap(user, ASKED_HEADWAY_S, 0.0, ASKED_FOR_S, AT_ONCE, braking, ego_id)
+    libsumo.vehicle.openGap(user, _ASKED_HEADWAY_S, 0.0, _ASKED_FOR_S, _AT_ONCE, braking, ego_id)
 
 
 def _close_gap(user: str, _: str) -> None:

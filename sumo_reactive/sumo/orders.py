@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import libsumo
 
 
-class Order(NamedTuple):
+class SumoOrder(NamedTuple):
     """A function that tells SUMO something, and its values; one that `may_fail` is without effect if SUMO refuses it.
 
     `turn` says when it comes, among those of all egos; what `is_done` has been carried out already where it comes from.
@@ -32,7 +32,7 @@ class Tell:
 
     def __call__(self, function: Callable[..., None], *values: Any, failed: Callable[[], None] | None = None) -> None:
         """Have SUMO told something; where it may refuse that, `failed` is called then."""
-        _carry_out(Order((0, 0), function, values, failed is not None, failed=failed))
+        _carry_out(SumoOrder((0, 0), function, values, failed is not None, failed=failed))
 
     def elsewhere(self, function: Callable[..., None], *values: Any) -> None:
         """Have what has been done here done in the same simulation elsewhere, too."""
@@ -41,11 +41,11 @@ class Tell:
 AT_ONCE = Tell()
 
 
-class Orders(Tell):
+class SumoOrders(Tell):
     """Keeps what it is told until all of it is carried out."""
 
     def __init__(self) -> None:
-        self._kept: list[Order] = []
+        self._kept: list[SumoOrder] = []
         self._turn = (0, 0)
 
     def begin(self, phase: int, number: int) -> None:
@@ -54,17 +54,17 @@ class Orders(Tell):
 
     def __call__(self, function: Callable[..., None], *values: Any, failed: Callable[[], None] | None = None) -> None:
         """Keep an order."""
-        self._kept.append(Order(self._turn, function, values, failed is not None, failed=failed))
+        self._kept.append(SumoOrder(self._turn, function, values, failed is not None, failed=failed))
 
     def elsewhere(self, function: Callable[..., None], *values: Any) -> None:
         """Keep an order for others."""
-        self._kept.append(Order(self._turn, function, values, is_done=True))
+        self._kept.append(SumoOrder(self._turn, function, values, is_done=True))
 
-    def for_others(self) -> tuple[Order, ...]:
+    def for_others(self) -> tuple[SumoOrder, ...]:
         """Return what is kept as others carry it out."""
         return tuple(order._replace(is_done=False, failed=None) for order in self._kept)
 
-    def carry_out(self, others: Iterable[Order] = ()) -> None:
+    def carry_out(self, others: Iterable[SumoOrder] = ()) -> None:
         """Tell SUMO all that is kept, and what comes from `others`, in the order of turns."""
         orders, self._kept = self._kept, []
         for order in sorted((*orders, *others), key=attrgetter("turn")):
@@ -72,7 +72,7 @@ class Orders(Tell):
                 _carry_out(order)
 
 
-def _carry_out(order: Order) -> None:
+def _carry_out(order: SumoOrder) -> None:
     try:
         order.function(*order.values)
     except libsumo.TraCIException:

@@ -18,7 +18,7 @@ from typing import IO
 import libsumo
 
 from sumo_reactive.errors import ScenarioError, SimulationError, WindowClosedError
-from sumo_reactive.sumo.orders import Orders
+from sumo_reactive.sumo.orders import SumoOrders
 from sumo_reactive.sumo.stand_ins import is_stand_in
 from sumo_reactive.sumo.vehicle_type import NOT_ROAD_CARS
 from sumo_reactive.sumo.waking import threads_here, woken
@@ -42,7 +42,7 @@ class Session:
     def __init__(self, arguments: Sequence[str], *, has_window: bool = False, says_arrivals: bool = True) -> None:
         self._arguments, self._has_window, self.says_arrivals = arguments, has_window, says_arrivals
         self._window_threads = frozenset[int]()
-        self._loaded, self.orders = False, Orders()
+        self._loaded, self.orders = False, SumoOrders()
 
     def __enter__(self) -> Session:
         with tempfile.TemporaryFile() as heard, _program(self._has_window) as program:
