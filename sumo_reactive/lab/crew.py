@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from sumo_reactive.errors import ScenarioError, SimulationError
-from sumo_reactive.lab.peers import Failure, Hub, Peers, Spoke, raise_failure, spoke_told
+from sumo_reactive.lab.peers import Failure, Hub, Peers, Spoke, raise_failure, spoke_told, tell
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.sumo.muting import mute_descriptor
 
@@ -72,7 +72,7 @@ class Crew:
     def shelve(self, results: Sequence[TrialResult]) -> None:
         """Have the others keep what they have recorded of these trips, as far as it was theirs."""
         for spoke in self._spokes:
-            spoke.send(results)
+            tell(spoke, results)
         for spoke in self._spokes:
             self._answer(spoke)
 

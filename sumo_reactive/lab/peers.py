@@ -10,6 +10,8 @@ from typing import NamedTuple
 from sumo_reactive.errors import SimulationError
 from sumo_reactive.sumo.orders import SumoOrder
 
+_GONE = "a process that drives a part of the egos has ended"
+
 
 class PeerMessage(NamedTuple):
     """What a process tells the others before a step: the orders of its egos, how many of them are on their way, how many
@@ -52,7 +54,7 @@ class Hub(Peers):
         found = [pickle.loads(part) for part in parts[1:]]
         raise_failure(found)
         for spoke in self._spokes:
-            spoke.send_bytes(pickle.dumps(parts))
+            tell(spoke, parts)
         return found
 
 
@@ -65,8 +67,16 @@ class Spoke(Peers):
     def others(self, told: PeerMessage) -> list[PeerMessage]:
         """Tell the others; return what they tell. Raises EOFError if the first is gone."""
         self._connection.send_bytes(pickle.dumps(told))
-        parts = pickle.loads(self._connection.recv_bytes())
+        parts = self._connection.recv()
         return [pickle.loads(part) for k, part in enumerate(parts) if k != self.index]
+
+
+def tell(spoke: Connection, what: object) -> None:
+    """Tell another process something; raise SimulationError if it is gone."""
+    try:
+        spoke.send(what)
+    except OSError as error:
+        raise SimulationError(_GONE) from error
 
 
 def spoke_told(spoke: Connection) -> bytes:
@@ -74,7 +84,7 @@ def spoke_told(spoke: Connection) -> bytes:
     try:
         return spoke.recv_bytes()
     except (EOFError, OSError) as error:
-        raise SimulationError("a process that drives a part of the egos has ended") from error
+        raise SimulationError(_GONE) from error
 
 
 def raise_failure(told: Iterable[object]) -> None:
