@@ -9,13 +9,13 @@ from scripted import Domain, script
 from sumo_reactive.sumo.vehicle_type import arrival_of
 
 
-def saved(monkeypatch, *vehicles: str):
-    """Have SUMO save a state with these vehicles; return the files that it has saved."""
+def saved(monkeypatch, *vehicles: str, prefix: str = ""):
+    """Have SUMO save a state with these vehicles, its names with a prefix; return the files that it has saved."""
     files = []
 
     def save(name):
-        files.append(Path(name))
-        Path(name).write_bytes(("<snapshot>\n" + "\n".join(vehicles) + "\n</snapshot>").encode("latin-1"))
+        files.append(Path(name).with_name(prefix + Path(name).name))
+        files[-1].write_bytes(("<snapshot>\n" + "\n".join(vehicles) + "\n</snapshot>").encode("latin-1"))
 
     script(monkeypatch, simulation=Domain(saveState=save))
     return files
@@ -50,6 +50,11 @@ def test_a_number_is_read_and_what_the_trip_leaves_open_is_none(monkeypatch, sai
 def test_of_one_whom_the_state_does_not_know_nothing_is_read(monkeypatch):
     saved(monkeypatch, '<vehicle id="another" arrivalPos="1" arrivalLane="3">')
     assert arrival_of("ego") == (None, None)
+
+
+def test_with_an_output_prefix_the_state_has_another_name(monkeypatch):
+    saved(monkeypatch, '<vehicle id="ego" arrivalPos="4">', prefix="mine_")
+    assert arrival_of("ego") == (4.0, None)
 
 
 def test_where_sumo_cannot_save_the_trip_ends_at_the_lanes_end(monkeypatch):
