@@ -115,10 +115,10 @@ def run(
 
     scenario, named = load_scenario(config), ego or []
     scenario = with_options(
-        scenario, sumo_options=tuple(context.obj or ()), delays=delays and Delays(delays.value), until_end=until_end or None,
-        parameters=parameters_with(scenario, parameter or []), until_s=until, profile=profile and Profile(profile.value),
-        seed=seed, obstacle_polygons=obstacle_polygons, ego=named[0] if len(named) == 1 else None, step_length_s=step_length,
-        driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None), horizon_s=horizon,
+        scenario, ego=named[0] if len(named) == 1 else None, seed=seed, step_length_s=step_length, until_s=until,
+        profile=profile and Profile(profile.value), horizon_s=horizon, parameters=parameters_with(scenario, parameter or []),
+        until_end=until_end or None, driver=next(iter(drivers_named([driver] if driver else [], driver_option or [])), None),
+        delays=delays and Delays(delays.value), obstacle_polygons=obstacle_polygons, sumo_options=tuple(context.obj or ()),
     )  # fmt: skip
     rule = rule_asked(named, ego_type, ego_class, ego_region, ego_probability) or _own_rule(scenario, named)
     return _drive(scenario, rule, _kept(scenario, rule, out, overwrite, record), cores, quiet, gui_speed if gui else None)

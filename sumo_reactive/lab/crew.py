@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from sumo_reactive.errors import ScenarioError, SimulationError
-from sumo_reactive.lab.peers import Failure, Hub, Peers, Spoke, raise_failure, spoke_told, tell
+from sumo_reactive.lab.peers import ALONE, Failure, Hub, Peers, Spoke, raise_failure, spoke_told, tell
 from sumo_reactive.lab.result import TrialResult
 from sumo_reactive.sumo.muting import mute_descriptor
 
@@ -63,7 +63,7 @@ class Crew:
     @property
     def hub(self) -> Peers:
         """By what the first process agrees with the others."""
-        return Hub(self._spokes) if self._spokes else Peers()
+        return Hub(self._spokes) if self._spokes else ALONE
 
     def parts(self) -> list[Part]:
         """Return what the others have come to. Raises what one has raised, and SimulationError if one is gone."""

@@ -246,16 +246,23 @@ class Shelf(NamedTuple):
         return ShelfRecorder(self)
 
 
-class ShelfRecorder:
-    """Keeps the steps of some egos in memory, and leaves them on a shelf at the end of the run."""
+class _Records:
+    """The records of several egos, in memory."""
 
-    def __init__(self, shelf: Shelf) -> None:
-        self._shelf = shelf
-        self._records: defaultdict[str, _Record] = defaultdict(partial(_Record, every_field=shelf.every_field))
+    def __init__(self, *, every_field: bool) -> None:
+        self._records: defaultdict[str, _Record] = defaultdict(partial(_Record, every_field=every_field))
 
     def see(self, scene: Scene) -> None:
         """Keep one step of one ego."""
         self._records[scene.ego].see(scene)
+
+
+class ShelfRecorder(_Records):
+    """Keeps the steps of some egos in memory, and leaves them on a shelf at the end of the run."""
+
+    def __init__(self, shelf: Shelf) -> None:
+        super().__init__(every_field=shelf.every_field)
+        self._shelf = shelf
 
     def write(self, results: Sequence[TrialResult]) -> None:
         """Write the folders of these trips, as far as they were seen here. Raises OSError."""
@@ -266,7 +273,7 @@ class ShelfRecorder:
                 self._records[result.ego].write_into(place, result)
 
 
-class FleetRecorder:
+class FleetRecorder(_Records):
     """Keeps the steps of all egos in memory and writes them at the end of the run; what other processes have recorded it
     takes from the `shelf`.
 
@@ -274,16 +281,12 @@ class FleetRecorder:
     """
 
     def __init__(self, folder: Path, *, overwrite: bool = False, every_field: bool = False) -> None:
+        super().__init__(every_field=every_field)
         self._folder = folder
-        self._records: defaultdict[str, _Record] = defaultdict(partial(_Record, every_field=every_field))
         self._every_field, self._left = every_field, ExitStack()
         self._replaced = replaced_in(folder, overwrite)
         if not overwrite and (other := next(folder.glob(f"*/{SUMMARY}"), None)):
             raise ScenarioError(f"{other.parent}: holds another run; use --overwrite or another folder than {folder}")
-
-    def see(self, scene: Scene) -> None:
-        """Keep one step of one ego."""
-        self._records[scene.ego].see(scene)
 
     @cached_property
     def shelf(self) -> Shelf:
