@@ -29,6 +29,9 @@ from sumo_reactive.sumo.net_file import (
 
 LaneOf = Callable[[str], Lane]
 
+LAP_STEP_M, LAP_REACH_M = 0.25, 15.0
+"""A turn is looked for beside its own lane in such steps, and so far before the end."""
+
 _TURNS = {"l": Turn.LEFT, "r": Turn.RIGHT, "t": Turn.AROUND}
 _CONTROLS = {
     "M": Control.MAJOR, "m": Control.MINOR, "=": Control.EQUAL, "s": Control.STOP, "w": Control.ALL_WAY_STOP,
@@ -170,16 +173,23 @@ def _held_back(connections: tuple[Connection, ...], lane_of: LaneOf) -> tuple[Co
             others = [c for c in cars if c.from_lane != lane.id]
             paths = [joined([c.path.points, _exit(c, lane_of)]) for c in others]
             room[lane.id], reaching = hold_back(lane.spine, paths)
-            room[lane.id] = max(room[lane.id], *(_lap(c, lane) for c in cars if c.from_lane == lane.id))
             over.update(others[i].id for i in reaching)
-    return tuple(_around(c, room.get(c.from_lane, 0.0), lane_of, over=c.id in over) for c in connections)
+    rooms = {c.id: max(room[c.from_lane], _lap(c, lane_of(c.from_lane))) for c in cars}
+    return tuple(_around(c, rooms.get(c.id, 0.0), lane_of, over=c.id in over) for c in connections)
 
 
 def _lap(connection: Connection, lane: Lane) -> float:
-    """Return how far before the end of its lane a connection leads to, m: some maps let the road behind begin there, and
-    whoever waits nearer to the line than that stands on the way to it, where SUMO has him inside the junction."""
-    s, d = lane.spine.project(*connection.path.points[-1])
-    return lane.spine.length - s if abs(d) < 0.5 * lane.width else 0.0
+    """Return how far before the end of its lane SUMO has who turns there inside the junction, m.
+
+    It has him on the last way of his route that passes within half its width of his front. Sharp turns lead back past the
+    end of their lane, and some maps let the road behind begin before it.
+    """
+    spine, path = lane.spine, connection.path
+    back = np.arange(LAP_STEP_M, min(spine.length, LAP_REACH_M), LAP_STEP_M)
+    places = spine.points_at(spine.length - back)
+    along, aside = path.arc_lengths_at(places), path.offsets(places)
+    is_inside = (along > 0.0) & (along < path.length) & (np.abs(aside) < 0.5 * lane.width)
+    return float(back[is_inside].max(initial=0.0))
 
 
 def _around(connection: Connection, room: float, lane_of: LaneOf, *, over: bool) -> Connection:

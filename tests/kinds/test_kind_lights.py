@@ -179,17 +179,14 @@ def test_who_turns_left_keeps_clear_of_the_opposite_left_turn_rather_than_of_a_p
 
 
 @dataclass(frozen=True)
-class _RoadThatLaps(Net):
-    """A road over a light at c, behind which it begins `lap` m before its line, as some maps have it."""
+class _Redrawn(Net):
+    """A network with lanes drawn otherwise than netconvert does, as some maps have them: lane, and x,y of its points."""
 
-    lap: float = 0.0
+    lanes: tuple[tuple[str, str], ...] = ()
 
     def built(self, folder: Path) -> Path:
         path = super().built(folder)
-        for lane, shape in (
-            ("ac_0", f"0,-1.6 {CENTRE + self.lap},-1.6"),
-            (":c_0_0", f"{CENTRE + self.lap},-1.6 {CENTRE},-1.6"),
-        ):
+        for lane, shape in self.lanes:
             text, replaced = re.subn(f'(<lane id="{lane}"[^>]* shape=")[^"]*', rf"\g<1>{shape}", path.read_text())
             assert replaced == 1
             path.write_text(text)
@@ -201,6 +198,20 @@ class _RoadThatLaps(Net):
 def test_who_waits_at_red_stands_before_the_way_on_where_that_begins_before_the_line(tmp_path, lap, step):
     plain = road(CENTRE, CENTRE)
     nodes = plain.nodes.replace('id="b"', 'id="c" type="traffic_light"').replace('id="c" x="180', 'id="e" x="180')
-    net = _RoadThatLaps(nodes, edge("ac") + edge("ce"), lap=lap)
+    lanes = ("ac_0", f"0,-1.6 {CENTRE + lap},-1.6"), (":c_0_0", f"{CENTRE + lap},-1.6 {CENTRE},-1.6")
+    net = _Redrawn(nodes, edge("ac") + edge("ce"), lanes=lanes)
     run = driven(tmp_path, net, car("ego", "ac ce"), extra=program("c", (18, "r"), (40, "G")), step=step)
+    assert run.complaints() == []
+
+
+def test_who_waits_at_red_to_turn_stands_before_the_way_where_that_leads_back_past_the_line_at_first(tmp_path):
+    """SUMO has him inside the junction as soon as his front is beside that way."""
+    nodes = node("a", 0, 0) + node("c", CENTRE, 0, type="traffic_light") + node("e", CENTRE + 20.0, CENTRE)
+    behind = f"{CENTRE},5.5"
+    lanes = (
+        ("ac_0", f"0,-1.6 {CENTRE},-1.6"), (":c_0_0", f"{CENTRE},-1.6 {CENTRE - 1.3},-0.1 {CENTRE - 0.3},3.7 {behind}"),
+        ("ce_0", f"{behind} {CENTRE + 20.0},{CENTRE}"),
+    )  # fmt: skip
+    net = _Redrawn(nodes, edge("ac") + edge("ce"), lanes=lanes)
+    run = driven(tmp_path, net, car("ego", "ac ce"), extra=program("c", (18, "r"), (40, "G")))
     assert run.complaints() == []
