@@ -35,7 +35,7 @@ from sumo_reactive.sumo.observed_vehicle import Bystanders
 from sumo_reactive.sumo.observer import EgoObserver
 from sumo_reactive.sumo.orders import Tell
 from sumo_reactive.sumo.passed_seen import passed_seen
-from sumo_reactive.sumo.routes import RouteWindow, crossed_before, quickest_way, unmapped_lanes
+from sumo_reactive.sumo.routes import RouteWindow, crossed_before, quickest_way, told_lanes
 from sumo_reactive.sumo.sensor import Sensor, StopLines
 from sumo_reactive.sumo.session import Session
 from sumo_reactive.sumo.stand_ins import (
@@ -96,8 +96,8 @@ class Trip:
         )
         self._observer = EgoObserver(ego_id, sensor, ego.limits)
         self._stand_ins = tuple(StandIns(ego_id, label, tell) for label in ("", ".besides", ".third"))
-        self._unmapped = unmapped_lanes(graph, ego.route.edges)
         crossed = crossed_before(graph, ego.route.edges)
+        self._told = told_lanes(graph, ego.route.edges, crossed)
         self._window = RouteWindow(ego_id, ego.route.edges, net.end_of, crossed, self._routes, tell)
         state = ego.take_over(session.step_length)
         lane_id = self._mapped = ego.lane(state)
@@ -206,9 +206,9 @@ class Trip:
         drive = step.drive
         here = segment_at(drive.plan, drive.s + self.limits.front_overhang)
         lane = self._driving.graph.lanes[here.lane_id] if drive.plan.aside is None else None
-        is_unmapped = here.lane_id in self._unmapped
+        is_told = here.lane_id in self._told
         follow = partial(self._window.follow, here.route_index)
-        self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_unmapped, follow)
+        self._ego.place(drive.ego, step.completed.intent, self._session.step_length, lane, is_told, follow)
         self._ego.let_go(step.completed.let_go)
         decisions = step.completed.decisions
         self._ego.ask_for_room(any(decision.reason is Reason.NO_GAP for decision in decisions))
@@ -242,8 +242,8 @@ class Trip:
             self._route, edges = after.route, after.route.edges
             self._ego.reroute(after.route)
             self._routes += 1
-            self._unmapped = unmapped_lanes(after.graph, edges)
             crossed = crossed_before(after.graph, edges)
+            self._told = told_lanes(after.graph, edges, crossed)
             self._window = RouteWindow(self.id, edges, self._net.end_of, crossed, self._routes, self._session.orders)
         self._driving = after
 

@@ -153,19 +153,20 @@ class Ego:
         return front < length and float(libsumo.vehicle.getDistance(self.id)) < length
 
     def place(
-        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_unmapped: bool = False,
+        self, state: VehicleState, intent: Intent, duration: float, lane: Lane | None, is_told: bool = False,
         follow: Callable[[], None] = nothing,
     ) -> None:  # fmt: skip
         """Announce the intent and command the state that the next simulation step ends in.
 
-        `lane`: where C is there, None while it leads beside its lane; `is_unmapped`: SUMO does not look for the ego on it.
+        `lane`: where C is there, None while it leads beside its lane; `is_told`: SUMO would not find the ego on it.
         `follow` may tell SUMO another route, in whose lanes it then looks for the ego.
 
         SUMO maps the ego to a lane of its route. Where it finds none, though the ego is on one (several connections
-        between the same two edges), it is told the lane, until the ego is out of the junction; but not where the front
-        swings out of that lane: SUMO would take it for on another road, lose its route and, with sublanes, crash.
+        between the same two edges), it is told the lane, until the ego is out of the junction, and where another road of
+        its route lies over this one; but not where the front swings out of that lane: SUMO would take it for on another
+        road, lose its route and, with sublanes, crash.
         """
-        self._unmapped |= is_unmapped
+        self._unmapped |= is_told and (lane is None or lane.is_internal)
         if lane is not None and not lane.is_internal:
             self._leaves_by = lane
         x, y = front_of(state.pose, self.limits)
@@ -174,7 +175,7 @@ class Ego:
         follow()
         gap, braking = self._left_gap(stands=state.speed < STANDING_SPEED), self._expected_braking(-state.acceleration)
         edge, index, mode = "", -1, KEEP_ROUTE_EXACT
-        if lane is not None and self._unmapped and lane.reaches(x, y, self.limits.width):
+        if lane is not None and (is_told or self._unmapped) and lane.reaches(x, y, self.limits.width):
             edge, index, mode = lane.edge_id, lane.index, FREE_EXACT
         if state.speed <= 0.0 and self._is_on_line():
             x, y = x - _BEFORE_END_M * math.cos(state.pose.heading), y - _BEFORE_END_M * math.sin(state.pose.heading)

@@ -7,11 +7,18 @@ from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 
 import libsumo
+import numpy as np
 import shapely
+from scipy.spatial import KDTree
 
 from sumo_reactive.driver.world.road_graph import RoadGraph
 from sumo_reactive.sumo.net_file import edge_id_of
 from sumo_reactive.sumo.orders import AT_ONCE, Tell
+
+PLACE_STEP_M = 1.0
+"""Roads that lie over each other are looked for at such steps along them…"""
+ALONG_M = 10.0
+"""…where there is more way than this between the two."""
 
 
 def unmapped_lanes(graph: RoadGraph, edges: Sequence[str]) -> frozenset[str]:
@@ -67,8 +74,8 @@ def _through(vehicle_id: str, places: Sequence[str], tell: Tell) -> tuple[tuple[
 
 
 def crossed_before(graph: RoadGraph, edges: Sequence[str]) -> tuple[int, ...]:
-    """Return, for each of the consecutive `edges`, the index of the last one before that it crosses, on a bridge or below
-    it, the ways to the next edge included; −1: it crosses none."""
+    """Return, for each of the consecutive `edges`, the index of the last one before that it crosses or lies over, on another
+    level, the ways to the next edge included; −1: none. The one directly before counts where it winds over that."""
     lines = []
     for edge, behind in zip(edges, (*edges[1:], ""), strict=True):
         lanes = graph.edge_lanes.get(edge, ())
@@ -76,10 +83,37 @@ def crossed_before(graph: RoadGraph, edges: Sequence[str]) -> tuple[int, ...]:
         driven = [*(lane.spine.points for lane in lanes), *(way.path.points for way in ways)]
         lines.append(shapely.multilinestrings([shapely.linestrings(one) for one in driven]))
     crossed = [-1] * len(lines)
-    for last, first in shapely.STRtree(lines).query(lines, predicate="intersects").T.tolist():
-        if first < last - 1:
-            crossed[last] = max(crossed[last], first)
+    meetings = shapely.STRtree(lines).query(lines, predicate="intersects").T
+    for last, first in [*meetings[meetings[:, 1] < meetings[:, 0] - 1].tolist(), *_lying_over(graph, edges)]:
+        crossed[last] = max(crossed[last], first)
     return tuple(crossed)
+
+
+def _lying_over(graph: RoadGraph, edges: Sequence[str]) -> list[tuple[int, int]]:
+    """Return which of the `edges` pass by an earlier one, within half a lane's width, much farther along the route."""
+    owners, places, arcs, arc, widest = [], [], [], 0.0, 0.0
+    for number, edge in enumerate(edges):
+        beside = graph.edge_lanes.get(edge, ())
+        for lane in beside:
+            points = lane.spine.sampled(PLACE_STEP_M)[:, :2]
+            places.append(points)
+            owners.append(np.full(len(points), number))
+            arcs.append(arc + PLACE_STEP_M * np.arange(len(points)))
+        arc += max((lane.spine.length for lane in beside), default=0.0)
+        widest = max((widest, *(lane.width for lane in beside)))
+    if not places:
+        return []
+    pairs = KDTree(np.vstack(places)).query_pairs(0.5 * widest, output_type="ndarray")
+    own, way = np.concatenate(owners)[pairs], np.concatenate(arcs)[pairs]
+    far = (own[:, 0] != own[:, 1]) & (np.abs(way[:, 0] - way[:, 1]) > ALONG_M)
+    return [(max(pair), min(pair)) for pair in set(map(tuple, own[far].tolist()))]
+
+
+def told_lanes(graph: RoadGraph, edges: Sequence[str], crossed: Sequence[int]) -> frozenset[str]:
+    """Return the lanes along a route that SUMO is told when the ego is on them, by their ids: it would not find it there, or
+    one loop ahead on a ramp that winds over itself. `crossed`: see `crossed_before`."""
+    below = (graph.edge_lanes[edges[i]] for i in range(len(edges) - 1) if crossed[i + 1] == i)
+    return unmapped_lanes(graph, edges) | {lane.id for lanes in below for lane in lanes}
 
 
 class RouteWindow:
@@ -123,10 +157,10 @@ class RouteWindow:
         self._index = -1
 
     def _returns(self, first: int, last: int) -> bool:
-        """Whether edge `last`, its end or a place on it has been passed since edge `first`."""
+        """Whether edge `last`, its end or a place on it has been passed since edge `first`, which it may wind over."""
         earlier = slice(first, last)
         is_twice = self._edges[last] in self._edges[earlier] or self._ends[last] in self._ends[earlier]
-        return is_twice or self._crossed[last] >= first
+        return is_twice or (last > first + 1 and self._crossed[last] >= first)
 
 
 def _ask_for(start: str, goal: str, kind: str, now: float) -> None:

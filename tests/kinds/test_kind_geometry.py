@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -232,3 +233,14 @@ def test_who_stands_between_two_places_where_his_way_crosses_is_in_none(tmp_path
     halted = car("x", "sc ct", stops=stop(":c_0_0", at, until=80))
     net = Net(nodes, through + around, link("ac cb") + loop)
     assert driven(tmp_path, net, car("ego", "ac cb", 15), halted, until=140).complaints(slower=1.2) == []
+
+
+@pytest.mark.parametrize("raised", [0.0, 0.6])
+def test_on_a_ramp_that_winds_over_itself_sumo_has_the_ego_on_its_own_loop(tmp_path, raised):
+    """Others on the loop above it do not brake for it."""
+    nodes = node("a", -40, 0) + node("b", 0, 20) + node("c", 0, 40)
+    below, above = (f"60,{y} 60,{60 + y} 0,{60 + y}" for y in (0.0, raised))
+    edges = edge("ab", shape=f"-40,0 {below} 0,20") + edge("bc", shape=f"0,20 0,{raised} {above} 0,40")
+    run = driven(tmp_path, Net(nodes, edges), car("ego", "ab bc", 2), car("x", "ab bc"))
+    lanes = [moment.lane for moment in run.ego.moments if not moment.lane.startswith(":")]
+    assert [after for before, after in pairwise(["", *lanes]) if after != before] == ["ab_0", "bc_0"]
