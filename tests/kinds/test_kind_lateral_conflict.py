@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from kinds import Net, car, driven, edge, link, node, sort
+
+from sumo_reactive.driver.view.attention import watches_of
+from sumo_reactive.sumo.net_reader import read_net
 
 STEADY = sort("steady", lcKeepRight=0, lcSpeedGain=0, lcCooperative=0)
 
@@ -83,16 +87,22 @@ def drawn_across() -> Net:
     return Net(nodes, ways, turn + link("ab bc", "10", shape="125,-1.6 180,-1.6"))
 
 
+@dataclass(frozen=True)
 class TurnedBack(Net):
-    """A network whose way `:b_2_0` turns back over the lanes beside its own, as maps of wide junctions have them."""
+    """A network whose way `edge` of some `length` (m) turns back as netconvert does not draw it, but maps of wide junctions
+    have it."""
+
+    edge: str = ""
+    shape: str = ""
+    length: float = 0.0
 
     def built(self, folder: Path) -> Path:
-        """Return the network with that way, which netconvert does not draw for so small a one."""
+        """Return the network with that way."""
         path = super().built(folder)
         tree = ET.parse(path)
-        (way,) = tree.iterfind("edge[@id=':b_2']/lane")
-        way.set("shape", "125,12.4 117,9.4 114,6.5 117,3 125,1.6")
-        way.set("length", "23.35")
+        (way,) = tree.iterfind(f"edge[@id='{self.edge}']/lane")
+        way.set("shape", self.shape)
+        way.set("length", str(self.length))
         tree.write(path)
         return path
 
@@ -102,7 +112,8 @@ def turning_back() -> Net:
     nodes = node("a", 0, 0) + node("b", 130, 0, radius=1) + node("c", 300, 0)
     ways = edge("ab", numLanes=3, shape="0,0 125,0") + edge("bc", numLanes=2, shape="132,0 300,0")
     back = edge("ba", shape="125,-14 0,-14")
-    return TurnedBack(nodes, ways + back, link("ab ba", "20") + link("ab bc", "00") + link("ab bc", "11"))
+    links = link("ab ba", "20") + link("ab bc", "00") + link("ab bc", "11")
+    return TurnedBack(nodes, ways + back, links, edge=":b_2", shape="125,12.4 117,9.4 114,6.5 117,3 125,1.6", length=23.35)
 
 
 CASES = [
@@ -120,3 +131,15 @@ def test_where_a_turn_is_drawn_across_the_lane_beside_one_at_a_time_is_there(tmp
     ego = car("ego", f"ab {way}", departPos=30, departSpeed=10, departLane=lane)
     run = driven(tmp_path, net(), ego, STEADY + car("x", f"ab {other}", **said))
     assert run.complaints(slower=1.5) == []
+
+
+def test_where_ways_from_one_lane_cross_behind_where_they_part_who_is_in_the_junction_counts(tmp_path):
+    """A turn to the left is crossed by the way around: until then one leads, the other follows."""
+    nodes = node("a", 0, 0) + node("b", 150, 0, radius=25) + node("c", 150, 150)
+    ways = edge("ab", shape="0,0 125,0") + edge("ba", shape="125,0 0,0") + edge("bc", shape="150,25 150,150")
+    links = link("ab bc", shape="125,-1.6 138,0 148,8 151.6,25") + link("ab ba")
+    around = "125,-1.6 135,-8 148,-6 150,6 140,10 125,1.6"
+    net = TurnedBack(nodes, ways, links, edge=":b_1", shape=around, length=65.8)
+    watched = watches_of(read_net(net.built(tmp_path)).build(("ab", "bc")), "ab_0->bc_0")
+    assert {":b_1_0", "ba_0"} <= watched.keys()
+    assert "ab_0" not in watched

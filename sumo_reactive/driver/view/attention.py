@@ -53,14 +53,17 @@ def _lanes_to(
     graph: RoadGraph, conflicts: tuple[Conflict, ...], length: float = 0.0
 ) -> Mapping[str, tuple[ConflictingLane, ...]]:
     """Return, by lane id, what a user there may mean for somebody to whom the `conflicts` are; `length` (m): of whom they
-    hold all along, from front to rear."""
+    hold all along, from front to rear. Who comes from the same lane counts in the junction: until then he drives ahead or
+    follows."""
     table: dict[str, list[ConflictingLane]] = {}
     for conflict in conflicts:
-        region = conflict.region.other.start, conflict.region.other.end - length
-        for lane_id, behind in graph.lanes_behind(conflict.other):
-            table.setdefault(lane_id, []).append(ConflictingLane(conflict, -behind, (), *region))
-        for lane in graph.approaches.get(conflict.other.id, ()):
-            table.setdefault(lane.lane_id, []).append(ConflictingLane(conflict, lane.distance, lane.edges, *region))
+        region, other = conflict.region, conflict.other
+        stretch = region.other.start, region.other.end - length
+        for lane_id, behind in graph.lanes_behind(other):
+            table.setdefault(lane_id, []).append(ConflictingLane(conflict, -behind, (), *stretch))
+        is_beside = graph.connections[region.own_id].from_lane != other.from_lane
+        for lane in graph.approaches.get(other.id, ()) if is_beside else ():
+            table.setdefault(lane.lane_id, []).append(ConflictingLane(conflict, lane.distance, lane.edges, *stretch))
     return {lane_id: tuple(entries) for lane_id, entries in table.items()}
 
 

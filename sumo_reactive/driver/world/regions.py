@@ -202,7 +202,8 @@ def _regions_of(i: int, junction: Junction, lines: Any, sweeps: Any) -> tuple[Co
         parts = _parts(overlaps[j], kind, (lines[i], lines[j])) if areas[j] > 0.0 else [_touch(own, kind)]
         for number, part in enumerate(parts):
             if not _on_separate_levels(own, other, part):
-                meets = kind if number == len(parts) - 1 else ConflictKind.CROSSING
+                end = 0 if kind is ConflictKind.DIVERGING else len(parts) - 1
+                meets = kind if number == end else ConflictKind.CROSSING
                 found.append(_region(own, other, meets, part, (lines[i], lines[j]), number))
     return tuple(sorted(found, key=lambda region: (region.own.start, region.other_id)))
 
@@ -238,16 +239,16 @@ def _pass_each_other(own: Polyline, other: Polyline) -> bool:
 def _parts(overlap: Any, kind: ConflictKind, lines: tuple[Any, Any]) -> list[Any]:
     """Return the areas of an overlap where one vehicle at a time may be, in order along the own one of `lines`.
 
-    Of ways from one lane that is where they part; others may cross twice, and are one area where nobody could stand in
-    between.
+    Ways may cross twice, and are one area where nobody could stand in between; those from one lane part, and may cross then.
     """
     areas = [part for part in shapely.get_parts(overlap) if part.area > 0.0]
-    if kind is ConflictKind.DIVERGING:
-        start = shapely.get_point(lines[0], 0)
-        return [min(areas, key=lambda part: float(part.distance(start)))]
-    found: list[Any] = []
-    for area in sorted(areas, key=lambda part: float(_places(lines[0], part).min())):
-        if found and min(_between(line, found[-1], area) for line in lines) < CROSSED_TWICE_M:
+    areas.sort(key=lambda part: float(_places(lines[0], part).min()))
+    parted = 1 if kind is ConflictKind.DIVERGING else 0
+    found: list[Any] = areas[:parted]
+    for area in areas[parted:]:
+        if parted and area.area < UNDECLARED_REGION_AREA_M2:
+            continue
+        if len(found) > parted and min(_between(line, found[-1], area) for line in lines) < CROSSED_TWICE_M:
             found[-1] = shapely.convex_hull(shapely.geometrycollections([found[-1], area]))
         else:
             found.append(area)

@@ -215,3 +215,17 @@ def test_ways_that_cross_and_then_merge_cross_in_one_region_and_merge_in_the_oth
     crossing, merging = regions_of(own, other, foes=[(0, 1)])
     assert (crossing.kind, merging.kind) == (ConflictKind.CROSSING, ConflictKind.MERGING)
     assert (crossing.own.end, merging.own.end) == pytest.approx((17.0 + HALF, 60.0))
+
+
+def test_ways_from_one_lane_part_in_one_region_and_cross_in_the_next():
+    """A turn to the left, and the way around that leads out over it first and comes back across it."""
+    own = connection("w_0->n_0", [(0, 0), (12, 0), (20, 8), (20, 30)], 0)
+    around = connection("w_0->w_1", [(0, 0), (6, -6), (30, -6), (30, 14), (0, 14)], 1)
+    parting, crossing = regions_of(own, around)
+    assert (parting.kind, crossing.kind) == (ConflictKind.DIVERGING, ConflictKind.CROSSING)
+    assert parting.own.start == 0.0
+    before = own.path.arc_lengths[2] + 6.0
+    assert (crossing.own.start, crossing.own.end) == pytest.approx((before - HALF, before + HALF))
+    assert [region.kind for region in regions_of(around, own)] == [ConflictKind.DIVERGING, ConflictKind.CROSSING]
+    aside = connection("w_0->s_0", [(0, 0), (4, 0), (8, -8), (8, -20)], 1)
+    assert only(regions_of(own, aside)).kind is ConflictKind.DIVERGING
