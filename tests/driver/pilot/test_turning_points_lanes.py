@@ -131,3 +131,16 @@ def test_a_stop_before_a_cut_tells_where_it_cuts_into_which_lane_and_who_is_ther
     front = ego_at("multi_lane_road", ROAD, 380.0, 10.0).seen().front
     assert stop is not None
     assert (stop.s - front, stop.reason.name, stop.region, stop.cause) == (30.0, "NO_GAP", "road_before_exit_1", "x")
+
+
+@pytest.mark.parametrize(
+    ("lane", "speed", "waits"),
+    [("from_east_0", 0.0, False), ("from_east_0", 0.3, True), ("from_south_0", 0.0, True), ("to_west_0", 0.0, True)],
+)
+def test_a_cut_behind_a_junction_does_not_wait_for_who_stands_before_it_on_another_road(lane, speed, waits):
+    ego = ego_at("four_way_priority", ("from_south", "to_west"), 12.0, 0.0)
+    seen, user = ego.seen(), ego.other("x", lane, 5.0, speed, ("from_east", "to_west"))
+    line = ego.plan.passages[0].start
+    cut = OffTracking(line + 2.0, line + 9.0, True, "to_west_0")
+    seen = seen._replace(off_tracking=cut, neighbours=(Neighbour(user, -1.5),))
+    assert (seek_gap(seen, ego.plan, replace(CAR, length=16.0)).stop is not None) is waits

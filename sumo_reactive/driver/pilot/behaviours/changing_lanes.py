@@ -23,6 +23,7 @@ from sumo_reactive.driver.pilot.rules.gaps import gap_for_follower
 from sumo_reactive.driver.pilot.situation import BehaviourRule, LaneChanging, Situation
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.vehicle.travel_time import LANE_CHANGE_DURATION_S
+from sumo_reactive.driver.world.lane import road_of
 
 MIN_LANE_CHANGE_LENGTH_M = 12.0
 """Room of a lane change at walking speed: a car of 3.6 m turning radius moves 3.2 m aside in 6.4 m; twice that is smooth."""
@@ -160,7 +161,7 @@ def _before_off_tracking(
     keeps his speed until then or, where both have to turn before they are there, comes down to the pace of the ego.
 
     An ego inside a junction waits there for nobody who has not come in yet: the regions say who of them goes first, and
-    those behind on the lanes beside its own see its body.
+    those behind on the lanes beside its own see its body. Nor does one before it for who stands before it on another road.
     """
     left, speed = place.start - snapshot.front, snapshot.ego.speed
     if left < speed * speed / (2.0 * limits.service_deceleration):
@@ -168,18 +169,25 @@ def _before_off_tracking(
     pace = min(max(speed, CREEPING_SPEED), plan.road_speed(place.start))
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.off_tracking_patience_s, 1.0)
     inside = any(one.start < snapshot.front and place.start < one.end + limits.length for one in plan.passages)
-    turns = speed > CREEPING_SPEED and any(snapshot.front < one.start <= place.start for one in plan.passages)
+    is_behind = any(snapshot.front < one.start <= place.start for one in plan.passages)
+    turns, road = speed > CREEPING_SPEED and is_behind, _road_at(plan, snapshot.front)
     for neighbour in snapshot.neighbours:
-        lane_id = neighbour.user.lane_id
-        if inside and neighbour.ahead < 0.0 and lane_id != place.lane_id and not lane_id.startswith(":"):
+        lane_id, his = neighbour.user.lane_id, neighbour.user.speed
+        waits = is_behind and his < STANDING_SPEED and road_of(lane_id) != road
+        is_before = neighbour.ahead < 0.0 and lane_id != place.lane_id and not lane_id.startswith(":")
+        if is_before and (inside or waits):
             continue
-        his = neighbour.user.speed
         slower = min(his, pace) if turns else his
         soonest, latest = (neighbour.ahead + one * time - left for one in (his, slower))
         ends = (neighbour._replace(ahead=ahead) for ahead in (soonest, latest))
         if latest < 0.0 < soonest or not all(leaves_gap(one, pace, limits, urgency) for one in ends):
             return LaneChanging(stop=stop_at(place.start, Reason.NO_GAP, region=place.lane_id, cause=neighbour.user.id))
     return LaneChanging()
+
+
+def _road_at(plan: NominalPlan, front: float) -> str:
+    """Return the road on which the front bumper is at `front` m of C."""
+    return road_of(next((one.lane_id for one in plan.segments if front < one.end), ""))
 
 
 def _slot(snapshot: Snapshot, plan: NominalPlan, left: float, limits: VehicleLimits, urgency: float) -> tuple[str, str]:
