@@ -118,9 +118,9 @@ def walker(name: str, edges: str, depart: float, at: float = 0.0) -> str:
     return element("person", element("walk", edges=edges), id=name, depart=depart, departPos=at)
 
 
-def zebra() -> Net:
-    """Return a road with a crossing at b where pedestrians have priority."""
-    nodes = node("a", 0, 0) + node("b", 100, 0) + node("d", 200, 0)
+def zebra(kind: str = "priority") -> Net:
+    """Return a road with a crossing at b where pedestrians have priority, if a junction of that kind has any."""
+    nodes = node("a", 0, 0) + node("b", 100, 0, type=kind) + node("d", 200, 0)
     edges = "".join(edge(e, sidewalkWidth=2) for e in ("ab", "bd", "db", "ba"))
     rules = link("ab bd", "11") + link("db ba", "11") + element("crossing", node="b", edges="ab ba", priority="true")
     return Net(nodes, edges, rules)
@@ -130,6 +130,14 @@ def zebra() -> Net:
 def test_a_pedestrian_on_the_crossing_is_not_touched(tmp_path, depart):
     people = walker("p", "ab ba", depart, 90) + walker("q", "ba ab", depart + 1, 2)
     assert driven(tmp_path, zebra(), car("ego", "ab bd"), people).complaints() == []
+
+
+@pytest.mark.parametrize("depart", [0.0, 0.5, 1.0])
+def test_a_pedestrian_who_walks_onto_the_road_where_no_rule_makes_him_wait_is_let_over(tmp_path, depart):
+    people = walker("p", "ab ba", depart, 90) + walker("q", "ba ab", depart + 1, 2)
+    run = driven(tmp_path, zebra("unregulated"), car("ego", "ab bd"), people, step=0.5)
+    assert run.complaints(slower=1.7) == []
+    assert run.ego.slowest("ab") < 0.1
 
 
 TOO_LATE = "he comes up to the crossing when the ego can no longer stop comfortably; SUMO's own driver brakes hard"

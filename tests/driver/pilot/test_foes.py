@@ -64,16 +64,19 @@ def walks(to_region: float, to_line: float = -1.0, speed: float = 1.4, length: f
 
 
 @pytest.mark.parametrize(
-    ("on_it", "speed", "goes_first", "stops"),
+    ("on_it", "speed", "goes_first", "waits", "stops"),
     [
-        (True, 1.4, True, True),
-        (True, 1.4, False, True),  # who is on the crossing is let pass, whoever goes first
-        (False, 1.4, True, True),
-        (False, 1.4, False, False),
+        (True, 1.4, True, False, True),
+        (True, 1.4, False, True, True),  # who is on the crossing is let pass, whoever goes first
+        (False, 1.4, True, False, True),
+        (False, 1.4, False, True, False),
+        (False, 1.4, False, False, True),  # who comes walking, and no rule makes him wait
+        (False, 0.0, False, False, False),
     ],
 )
-def test_a_pedestrian_beside_a_crossing_is_waited_for_where_he_goes_first(on_it, speed, goes_first, stops):
-    found = rules(ROLLING, walks(3.0, -1.0 if on_it else 1.0, speed, must_yield=goes_first))
+def test_a_pedestrian_beside_a_crossing_is_waited_for_unless_he_has_to_wait(on_it, speed, goes_first, waits, stops):
+    rights = {"must_yield": goes_first, "is_yielded_to": waits}
+    found = rules(ROLLING, walks(3.0, -1.0 if on_it else 1.0, speed, **rights))
     assert reason(found) is (Reason.PEDESTRIAN if stops else None)
 
 

@@ -369,14 +369,16 @@ def _is_swung_over(conflict: Conflict) -> bool:
 
 
 def _may_step_on(foe: Foe, snapshot: Snapshot, standing: float) -> bool:
-    """Whether a pedestrian beside a crossing may walk: at green, or without a light where he goes first.
+    """Whether a pedestrian beside a crossing may walk: at green, or without a light where he goes first, or comes walking
+    where no rule makes him wait.
 
     One who does not move, though the ego has been `standing` for a while (s), lets it go.
     """
-    if foe.user.speed < STANDING_SPEED and standing > snapshot.parameters.foe_patience_s:
+    stands, conflict = foe.user.speed < STANDING_SPEED, foe.conflict
+    if stands and standing > snapshot.parameters.foe_patience_s:
         return False
-    letter = letter_of(foe.conflict.other, snapshot)
-    return letter in "gG" if letter else foe.conflict.must_yield
+    letter = letter_of(conflict.other, snapshot)
+    return letter in "gG" if letter else conflict.must_yield or not (stands or conflict.is_yielded_to)
 
 
 def _waiting_place(conflict: Conflict, crossing: Crossing) -> float | None:
