@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 from sumo_reactive.driver.controller import Controller, Drive, Step, replanned
 from sumo_reactive.driver.nouns.completed_plan import Replanning, Request
-from sumo_reactive.driver.nouns.plan import Aside, LaneSegment, NominalPlan
+from sumo_reactive.driver.nouns.plan import Aside, NominalPlan, segment_at
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, VehicleState
 from sumo_reactive.driver.nouns.traffic import Traffic
 from sumo_reactive.driver.path.lane_choice import LaneChoice, choose_lanes
@@ -255,11 +255,6 @@ def set_out(
 def shortest_change(aside: float, curvature: float) -> float:
     """Return the least way (m) on which a car moves by `aside` (m), one arc of its `curvature` (1/m) after another."""
     return math.sqrt(max(aside * (4.0 / curvature - aside), 0.0))
-
-
-def segment_at(nominal: NominalPlan, front: float) -> LaneSegment:
-    """Return the lane segment of C that holds the front bumper at arc length `front`, m; the last one past its end."""
-    return next((segment for segment in nominal.segments if front < segment.end), nominal.segments[-1])
 
 
 def _duration(graph: RoadGraph, edges: Sequence[str]) -> float:

@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 from sumo_reactive.driver.compilation import interrupts_kept
 from sumo_reactive.driver.controller import PARTS, Controller, Parts, Step
-from sumo_reactive.driver.driving import Driving, segment_at, set_out
+from sumo_reactive.driver.driving import Driving, set_out
 from sumo_reactive.driver.field.cast_shadows import cast_shadows
 from sumo_reactive.driver.field.executor import field_over
 from sumo_reactive.driver.field.ground import ground_field
 from sumo_reactive.driver.kernel_folder import is_cached, mark_cached
 from sumo_reactive.driver.kernels import load_kernels
 from sumo_reactive.driver.nouns.decision import Reason
-from sumo_reactive.driver.nouns.plan import LaneSegment
+from sumo_reactive.driver.nouns.plan import LaneSegment, segment_at
 from sumo_reactive.driver.nouns.record import Scene, StepRecord
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.nouns.traffic import Traffic

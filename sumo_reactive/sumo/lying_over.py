@@ -9,8 +9,7 @@ from typing import Any
 import shapely
 
 from sumo_reactive.driver.caching import PLANS_KEPT, kept
-from sumo_reactive.driver.driving import segment_at
-from sumo_reactive.driver.nouns.plan import LaneSegment, Turnaround
+from sumo_reactive.driver.nouns.plan import LaneSegment, Turnaround, segment_at
 from sumo_reactive.driver.nouns.state import STANDING_SPEED
 from sumo_reactive.driver.view.corridor import OFF_TRACKING_M
 from sumo_reactive.driver.view.swept_conflict import swept_conflicts

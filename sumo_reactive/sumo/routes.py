@@ -120,7 +120,7 @@ class RouteWindow:
     """Keeps SUMO's route of the ego free of places that it passes twice: SUMO maps a moved vehicle to any pass of a place,
     so it gets to know only the present one.
 
-    A place is an edge, a junction, or where an edge crosses an earlier one (`crossed`, as `crossed_before` returns it).
+    A place is an edge, a junction, or where an edge crosses or lies over an earlier one (`crossed`: see `crossed_before`).
     `number`: which route of the ego's this is, for SUMO keeps the names of all. SUMO is told by `tell`.
     """
 

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import libsumo
 
-from sumo_reactive.driver.driving import segment_at
-from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround
+from sumo_reactive.driver.nouns.plan import LaneSegment, NominalPlan, Turnaround, segment_at
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED, VehicleState
 from sumo_reactive.driver.vehicle.limits import VehicleLimits
 from sumo_reactive.driver.view.corridor import lane_at_side, off_tracking_of

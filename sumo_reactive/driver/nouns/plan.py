@@ -271,3 +271,8 @@ class NominalPlan:
     def road_speed(self, s: float) -> float:
         """The highest speed that road and curve allow with the front axle at arc length `s`, m/s."""
         return self.speed_limits.item(min(max(int(s / self.curve.step), 0), len(self.speed_limits) - 1))
+
+
+def segment_at(nominal: NominalPlan, front: float) -> LaneSegment:
+    """Return the lane segment of C that holds the front bumper at arc length `front`, m; the last one past its end."""
+    return next((segment for segment in nominal.segments if front < segment.end), nominal.segments[-1])

@@ -13,6 +13,7 @@ from sumo_reactive.driver.nouns.plan import (
     LATE_LANE_CHANGE_LENGTH_M,
     LaneChange,
     NominalPlan,
+    segment_at,
 )
 from sumo_reactive.driver.nouns.snapshot import Neighbour, OffTracking, Snapshot
 from sumo_reactive.driver.nouns.state import CREEPING_SPEED, STANDING_SPEED
@@ -170,7 +171,7 @@ def _before_off_tracking(
     time, urgency = left / max(pace, CREEPING_SPEED), min(waited / snapshot.parameters.off_tracking_patience_s, 1.0)
     inside = any(one.start < snapshot.front and place.start < one.end + limits.length for one in plan.passages)
     is_behind = any(snapshot.front < one.start <= place.start for one in plan.passages)
-    turns, road = speed > CREEPING_SPEED and is_behind, _road_at(plan, snapshot.front)
+    turns, road = speed > CREEPING_SPEED and is_behind, road_of(segment_at(plan, snapshot.front).lane_id)
     for neighbour in snapshot.neighbours:
         lane_id, his = neighbour.user.lane_id, neighbour.user.speed
         waits = is_behind and his < STANDING_SPEED and road_of(lane_id) != road
@@ -183,11 +184,6 @@ def _before_off_tracking(
         if latest < 0.0 < soonest or not all(leaves_gap(one, pace, limits, urgency) for one in ends):
             return LaneChanging(stop=stop_at(place.start, Reason.NO_GAP, region=place.lane_id, cause=neighbour.user.id))
     return LaneChanging()
-
-
-def _road_at(plan: NominalPlan, front: float) -> str:
-    """Return the road on which the front bumper is at `front` m of C."""
-    return road_of(next((one.lane_id for one in plan.segments if front < one.end), ""))
 
 
 def _slot(snapshot: Snapshot, plan: NominalPlan, left: float, limits: VehicleLimits, urgency: float) -> tuple[str, str]:
